@@ -1,0 +1,1 @@
+"""Manoeuvres and the driver who follows them; the driver node."""

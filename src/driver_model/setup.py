@@ -1,0 +1,27 @@
+"""Installs the package `driver_model` under colcon (ament_python)."""
+
+from setuptools import find_packages, setup
+
+NAME = "driver_model"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    packages=find_packages(include=[NAME, NAME + ".*"]),
+    package_data={NAME: ["*.yaml", "py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
+        ("share/" + NAME, ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    maintainer="Steering bench maintainers",
+    maintainer_email="maintainers@steering-bench.example",
+    description="Manoeuvres and a lead-lag driver; the driver node.",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "driver_node = driver_model.node:main",
+        ],
+    },
+)

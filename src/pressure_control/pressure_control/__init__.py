@@ -1,0 +1,1 @@
+"""Boost-curve reference and the controllers of the two pressure control valves."""

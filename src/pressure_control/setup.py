@@ -1,0 +1,27 @@
+"""Installs the package `pressure_control` under colcon (ament_python)."""
+
+from setuptools import find_packages, setup
+
+NAME = "pressure_control"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    packages=find_packages(include=[NAME, NAME + ".*"]),
+    package_data={NAME: ["*.yaml", "py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
+        ("share/" + NAME, ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    maintainer="Steering bench maintainers",
+    maintainer_email="maintainers@steering-bench.example",
+    description="Boost-curve reference and gain-scheduled pressure controller; its node runs once per valve.",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "valve_controller_node = pressure_control.node:main",
+        ],
+    },
+)

@@ -1,0 +1,28 @@
+"""Installs the package `steering_bringup` under colcon (ament_python)."""
+
+from setuptools import find_packages, setup
+
+NAME = "steering_bringup"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    packages=find_packages(include=[NAME, NAME + ".*"]),
+    package_data={NAME: ["nodesets/*.yaml", "scenarios/*.yaml", "templates/*", "py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
+        ("share/" + NAME, ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    maintainer="Steering bench maintainers",
+    maintainer_email="maintainers@steering-bench.example",
+    description="Node sets, scenarios, launcher, recorder, direct runner, comparison and the command line.",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "steer = steering_bringup.cli:main",
+            "recorder_node = steering_bringup.recorder_node:main",
+        ],
+    },
+)

@@ -1,0 +1,1 @@
+"""Node sets, scenarios, the launcher, recording, comparison and the command line."""

@@ -1,0 +1,1 @@
+"""Foundation shared by every core: compiled kernels, parameters, names and source specialisation."""

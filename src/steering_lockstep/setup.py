@@ -1,0 +1,22 @@
+"""Installs the package `steering_lockstep` under colcon (ament_python)."""
+
+from setuptools import find_packages, setup
+
+NAME = "steering_lockstep"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    packages=find_packages(include=[NAME, NAME + ".*"]),
+    package_data={NAME: ["*.yaml", "py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
+        ("share/" + NAME, ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    maintainer="Steering bench maintainers",
+    maintainer_email="maintainers@steering-bench.example",
+    description="The 1 kHz lock-step contract over ROS 2: byte layouts, topic table and the node base class.",
+    license="Apache-2.0",
+)

@@ -1,0 +1,27 @@
+"""Installs the package `steering_plant` under colcon (ament_python)."""
+
+from setuptools import find_packages, setup
+
+NAME = "steering_plant"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    packages=find_packages(include=[NAME, NAME + ".*"]),
+    package_data={NAME: ["*.yaml", "py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
+        ("share/" + NAME, ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    maintainer="Steering bench maintainers",
+    maintainer_email="maintainers@steering-bench.example",
+    description="Mechanics and hydraulics of the steering gear with their effects; the plant node is the clock.",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "plant_node = steering_plant.node:main",
+        ],
+    },
+)

@@ -1,0 +1,1 @@
+"""The hydraulic steering gear: mechanics, valves, chambers, effects and the plant node."""
