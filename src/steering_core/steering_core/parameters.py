@@ -1,0 +1,170 @@
+"""The data sheet and the parameter sets made from it.
+
+The YAML data sheet is the only list of parameters: names, values, units, tolerances and sources
+are written there once. A parameter set is a data sheet with some values replaced; every value is
+checked when the set is made.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from steering_core.naming import unknown
+
+
+class ParameterError(ValueError):
+    """A parameter that does not exist, or a value that cannot be."""
+
+
+@dataclass(frozen=True)
+class Info:
+    """One line of the data sheet.
+
+    value: nominal, in SI units. tolerance: relative, two standard deviations; 0 means exact.
+    minimum: smallest value allowed; None means that the value must be greater than zero.
+    """
+
+    value: float
+    unit: str
+    source: str
+    tolerance: float = 0.0
+    minimum: float | None = None
+
+    def checked(self, name: str, value: Any) -> float:
+        """Return ``value`` as a float, or raise ParameterError saying why it cannot be."""
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            raise ParameterError(f"{name}: '{value}' is not a number [{self.unit}]") from None
+        if not math.isfinite(number):
+            raise ParameterError(f"{name} must be finite, got {number}")
+        if self.minimum is None and number <= 0.0:
+            raise ParameterError(f"{name} must be greater than 0 {self.unit}, got {number:g}")
+        if self.minimum is not None and number < self.minimum:
+            raise ParameterError(
+                f"{name} must be at least {self.minimum:g} {self.unit}, got {number:g}"
+            )
+        return number
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """Checked parameters under names such as ``mechanics.rack_mass``. Immutable."""
+
+    sheet: Mapping[str, Info]
+    values: Mapping[str, float]
+
+    def __getitem__(self, name: str) -> float:
+        return self.values[self._known(name)]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    def info(self, name: str) -> Info:
+        """Return the data sheet's line for ``name``."""
+        return self.sheet[self._known(name)]
+
+    def flat(self) -> dict[str, float]:
+        """Return all values under their full names."""
+        return dict(self.values)
+
+    def group(self, group: str) -> dict[str, float]:
+        """Return the values of one group, such as ``driver``, under their short names."""
+        prefix = group + "."
+        found = {n.removeprefix(prefix): v for n, v in self.values.items() if n.startswith(prefix)}
+        if not found:
+            groups = {name.split(".", 1)[0] for name in self.values}
+            raise ParameterError(unknown("parameter group", group, groups))
+        return found
+
+    def with_values(self, changes: Mapping[str, Any]) -> ParameterSet:
+        """Return a set with ``changes`` (full name to SI value) applied and checked."""
+        checked = {name: self.info(name).checked(name, v) for name, v in changes.items()}
+        return replace(self, values={**self.values, **checked})
+
+    def changed(self) -> dict[str, float]:
+        """Return the values that differ from the data sheet."""
+        return {n: v for n, v in self.values.items() if v != self.sheet[n].value}
+
+    def record(self, *groups: str) -> np.ndarray:
+        """Return the values of ``groups`` as a structured float64 array of shape (1,).
+
+        Kernels read ``p = par[0]; p.rack_mass``. Names must be unique among the groups.
+        """
+        merged: dict[str, float] = {}
+        for group in groups:
+            values = self.group(group)
+            twice = merged.keys() & values.keys()
+            if twice:
+                raise ParameterError(f"{sorted(twice)} in more than one of the groups {groups}")
+            merged.update(values)
+        return record(merged)
+
+    def _known(self, name: str) -> str:
+        if name not in self.sheet:
+            raise ParameterError(unknown("parameter", name, self.sheet))
+        return name
+
+
+def record(values: Mapping[str, float]) -> np.ndarray:
+    """Return ``values`` as a structured float64 array of shape (1,), fields in the same order."""
+    return np.array([tuple(values.values())], dtype=[(name, np.float64) for name in values])
+
+
+def load_parameters(name: str | Path = "nominal") -> ParameterSet:
+    """Load a parameter set by the name of a shipped one, or from a YAML file.
+
+    A file is either a whole data sheet or a mapping of groups to plain values (or of full names to
+    values) that replaces values of the nominal set. Raises ParameterError naming the file.
+    """
+    path = Path(name)
+    if str(name) in shipped_sets():
+        return _shipped(str(name))
+    if path.suffix not in {".yaml", ".yml"}:
+        raise ParameterError(unknown("parameter set", str(name), shipped_sets()))
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError(f"cannot read the parameter set {path}: {error}") from None
+    try:
+        return _shipped("nominal").with_values(dict(flatten(content)))
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}") from None
+
+
+def shipped_sets() -> list[str]:
+    """Return the names of the parameter sets that come with the bench."""
+    folder = resources.files("steering_core") / "parameter_sets"
+    return sorted(f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith("yaml"))
+
+
+def flatten(content: Any) -> Iterator[tuple[str, Any]]:
+    """Yield (full name, value) of a mapping of groups; ``{value: ...}`` stands for its value."""
+    if not isinstance(content, Mapping):
+        raise ParameterError("a parameter set is a mapping of groups to parameters")
+    for key, entry in content.items():
+        if isinstance(entry, Mapping) and "value" not in entry:
+            yield from ((f"{key}.{name}", value) for name, value in flatten(entry))
+        else:
+            yield str(key), entry["value"] if isinstance(entry, Mapping) else entry
+
+
+@cache
+def _shipped(name: str) -> ParameterSet:
+    text = (resources.files("steering_core") / "parameter_sets" / f"{name}.yaml").read_text("utf-8")
+    sheet = {
+        f"{group}.{parameter}": Info(**line)
+        for group, lines in yaml.safe_load(text).items()
+        for parameter, line in lines.items()
+    }
+    values = {name: info.checked(name, info.value) for name, info in sheet.items()}
+    return ParameterSet(sheet, values)

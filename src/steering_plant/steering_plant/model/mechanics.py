@@ -1,0 +1,101 @@
+"""Steering wheel and rack: two degrees of freedom (eq. 4.1, 4.2), friction elements, end stops."""
+
+from __future__ import annotations
+
+from steering_core.compiled import kernel
+
+from . import slots
+from .states import (
+    ANGLE,
+    COLUMN_FRICTION,
+    DRIVER_TORQUE,
+    LEFT,
+    LOAD_FORCE,
+    LOAD_POSITION,
+    LOAD_STIFFNESS,
+    POSITION,
+    RACK_FRICTION,
+    RIGHT,
+    SPEED,
+    VELOCITY,
+)
+
+
+@kernel
+def friction_rate(force, limit, velocity, displacement):
+    """Return dF/dt of the exponential spring with limited force (after Pfeffer, fig 4.2).
+
+    dF/dt = v (limit - F sign(v))/displacement: F tends to +-limit exponentially in displacement.
+    Any unit of force and the matching ones of velocity and displacement.
+    """
+    return (limit * velocity - force * abs(velocity)) / displacement
+
+
+@kernel
+def limited(force, limit):
+    """Return ``force`` within +-limit: a falling limit releases the spring, never loads it."""
+    return min(max(force, -limit), limit)
+
+
+@kernel
+def column_limit(p, speed, z, e):
+    """Return the limit of the column's friction [N m]."""
+    return slots.column_friction_limit(p.column_friction, speed, z, e)
+
+
+@kernel
+def rack_limit(p, position, velocity, left, right, z, e):
+    """Return the limit of the rack's friction [N]: level plus slope times the sum of pressures."""
+    loaded = max(left, 0.0) + max(right, 0.0)
+    nominal = p.rack_friction + p.rack_friction_pressure_slope * loaded
+    return slots.rack_friction_limit(nominal, position, velocity, left, right, z, e)
+
+
+@kernel
+def torsion_bar_torque(p, angle, position, z, e):
+    """Return T = K_T (theta_sw - R_T x) [N m]."""
+    twist = angle - p.gear_ratio * position
+    return slots.torsion_torque(p.torsion_bar_stiffness * twist, twist, z, e)
+
+
+@kernel
+def load(u, position, velocity, z, e):
+    """Return the rack force [N]: force + stiffness (x - position it belongs to)."""
+    nominal = u[LOAD_FORCE] + u[LOAD_STIFFNESS] * (position - u[LOAD_POSITION])
+    return slots.load_force(nominal, position, velocity, z, e)
+
+
+@kernel
+def stop_force(p, position, velocity):
+    """Return the force of the end stops [N]: spring and damper that push, never pull."""
+    depth = abs(position) - p.rack_stop_position
+    if depth <= 0.0:
+        return 0.0
+    outward = velocity if position > 0.0 else -velocity
+    size = max(p.rack_stop_stiffness * depth + p.rack_stop_damping * outward, 0.0)
+    return size if position > 0.0 else -size
+
+
+@kernel
+def mechanical_rates(p, y, dy, u, torque, z, e):
+    """Fill the rates of the mechanical states for a torsion-bar ``torque`` [N m]."""
+    speed, position, velocity = y[SPEED], y[POSITION], y[VELOCITY]
+    left, right = y[LEFT], y[RIGHT]
+    column = column_limit(p, speed, z, e)
+    rack = rack_limit(p, position, velocity, left, right, z, e)
+    column_force = limited(y[COLUMN_FRICTION], column)
+    rack_force = limited(y[RACK_FRICTION], rack)
+
+    resisting = p.steering_wheel_damping * speed + column_force
+    resisting += slots.column_torque(0.0, y[ANGLE], speed, z, e)
+    opposing = p.rack_damping * velocity + rack_force + load(u, position, velocity, z, e)
+    opposing += stop_force(p, position, velocity)
+    opposing += slots.rack_force(0.0, position, velocity, left, right, z, e)
+    assistance = (right - left) * p.piston_area
+
+    dy[ANGLE] = speed
+    dy[SPEED] = (u[DRIVER_TORQUE] - torque - resisting) / p.steering_wheel_inertia
+    dy[POSITION] = velocity
+    dy[VELOCITY] = (assistance + torque * p.gear_ratio - opposing) / p.rack_mass
+    dy[COLUMN_FRICTION] = friction_rate(column_force, column, speed, p.column_friction_angle)
+    dy[RACK_FRICTION] = friction_rate(rack_force, rack, velocity, p.rack_friction_displacement)

@@ -1,0 +1,105 @@
+"""One tick of the plant: true outputs, measured outputs, integration with the tick's commands."""
+
+from __future__ import annotations
+
+from steering_core.compiled import kernel
+from steering_plant.sensors import measure
+
+from . import mechanics, slots
+from .dynamics import model_size, rates
+from .integrator import advance
+from .states import (
+    ANGLE,
+    COLUMN_FRICTION,
+    DRIVER_TORQUE,
+    ENERGY,
+    LEFT,
+    LEFT_FLOW,
+    LEFT_SOLENOID,
+    LEFT_VALVE,
+    LOAD_FORCE,
+    LOAD_POSITION,
+    LOAD_STIFFNESS,
+    POSITION,
+    PUMP,
+    RACK_FRICTION,
+    RIGHT,
+    RIGHT_FLOW,
+    RIGHT_SOLENOID,
+    RIGHT_VALVE,
+    SPEED,
+    SPOOL,
+    SUPPLY_FLOW,
+    VELOCITY,
+)
+
+TICK = 1e-3
+"""Length of a tick [s]."""
+
+
+@kernel
+def observe(par, sensors, e, tick, y, u, history, true, out):
+    """Fill ``out`` (shape (9,), order of sensors.CHANNELS) with the measurement of ``tick``.
+
+    ``u`` holds the load that acted in the tick before, which the load cell still reports.
+    """
+    p = par[0]
+    z = y[model_size(p) :]
+    true[0], true[1] = y[ANGLE], y[SPEED]
+    true[2] = mechanics.torsion_bar_torque(p, y[ANGLE], y[POSITION], z, e)
+    true[3], true[4] = y[LEFT], y[RIGHT]
+    if p.closed_centre > 0.0:
+        true[5] = slots.supply_pressure(p.supply_pressure, tick * TICK, z, e)
+    else:
+        true[5] = y[PUMP]
+    true[6], true[7] = y[POSITION], y[VELOCITY]
+    true[8] = mechanics.load(u, y[POSITION], y[VELOCITY], z, e)
+    measure(sensors, p.noise_seed, history, tick, true, out)
+
+
+@kernel
+def report_truth(par, table, e, tick, y, u, work, flows, truth):
+    """Fill ``truth`` (shape (8,), fields of steering_msgs/PlantTruth) at ``tick``."""
+    p = par[0]
+    rates(par, table, e, tick * TICK, y, u, work[0], flows)
+    truth[0], truth[1] = y[COLUMN_FRICTION], y[RACK_FRICTION]
+    truth[2] = y[LEFT_VALVE + SPOOL] if p.closed_centre > 0.0 else 0.0
+    truth[3] = y[RIGHT_VALVE + SPOOL] if p.closed_centre > 0.0 else 0.0
+    truth[4], truth[5] = flows[LEFT_FLOW], flows[RIGHT_FLOW]
+    truth[6], truth[7] = flows[SUPPLY_FLOW], y[ENERGY]
+
+
+@kernel
+def plant_step(
+    par,
+    table,
+    sensors,
+    e,
+    scale,
+    y,
+    step,
+    u,
+    work,
+    flows,
+    history,
+    true,
+    out,
+    tick,
+    driver_torque,
+    left_solenoid,
+    right_solenoid,
+    load_force,
+    load_stiffness,
+    load_position,
+):
+    """Integrate from ``tick`` to the next with the tick's commands and measure there.
+
+    SI units. Returns the integrator's status; on success ``out`` is the measurement of tick + 1.
+    """
+    u[DRIVER_TORQUE] = driver_torque
+    u[LEFT_SOLENOID], u[RIGHT_SOLENOID] = left_solenoid, right_solenoid
+    u[LOAD_FORCE], u[LOAD_STIFFNESS], u[LOAD_POSITION] = load_force, load_stiffness, load_position
+    status = advance(par, table, e, scale, tick * TICK, TICK, y, step, u, work, flows)
+    if status == 0:
+        observe(par, sensors, e, tick + 1, y, u, history, true, out)
+    return status

@@ -1,0 +1,223 @@
+"""The steering plant: parameters, state and one step a tick."""
+
+from __future__ import annotations
+
+import math
+from types import ModuleType
+
+import numpy as np
+from steering_core.naming import unknown
+from steering_core.parameters import ParameterSet, record
+
+from steering_plant import boost_curve, sensors
+from steering_plant.model import integrator, states
+from steering_plant.model import step as nominal_model
+from steering_plant.rest import rest_state
+
+VALVE_SYSTEMS = ("open_centre", "closed_centre")
+GROUPS = ("mechanics", "oil", "open_centre", "pressure_control_valve", "simulation")
+
+TOLERANCES = {
+    "steering_wheel_angle": 1e-7,
+    "steering_wheel_speed": 1e-5,
+    "rack_position": 1e-9,
+    "rack_speed": 1e-6,
+    "column_friction": 1e-5,
+    "rack_friction": 1e-2,
+    "left_pressure": 50.0,
+    "right_pressure": 50.0,
+    "supply_energy": 1e9,
+    "pump_pressure": 50.0,
+    "left_spool": 1e-8,
+    "left_spool_speed": 1e-4,
+    "left_control_pressure": 200.0,
+    "right_spool": 1e-8,
+    "right_spool_speed": 1e-4,
+    "right_control_pressure": 200.0,
+}
+"""Local error allowed in one inner step, by state, SI units (the energy is only accumulated)."""
+
+EFFECT_TOLERANCE = 1e-4
+
+
+class PlantError(RuntimeError):
+    """The plant's state left what is physically possible."""
+
+
+class Plant:
+    """Steering wheel, torsion bar, rack and either hydraulic system, stepped once a tick.
+
+    parameters: the parameter set. valve_system: ``open_centre`` or ``closed_centre``.
+    boost_table: measured boost curve (boost_curve.boost_table) in place of the formula.
+    model: module with ``plant_step`` and ``observe``; another one carries effects, whose
+    parameters are ``effect_values`` and whose states are ``effect_states`` in number.
+
+    At rest the rack stands in the middle, without load, at the pressures of the static map.
+    ``out`` is the measurement of the present tick, shape (9,), order of sensors.CHANNELS;
+    ``truth()`` the true states. All arrays are float64 and SI.
+    """
+
+    def __init__(
+        self,
+        parameters: ParameterSet,
+        valve_system: str,
+        boost_table: np.ndarray = boost_curve.FORMULA,
+        model: ModuleType = nominal_model,
+        effect_values: np.ndarray | None = None,
+        effect_states: int = 0,
+    ) -> None:
+        if valve_system not in VALVE_SYSTEMS:
+            raise ValueError(unknown("valve system", valve_system, VALVE_SYSTEMS))
+        self.valve_system = valve_system
+        self.model = model
+        self.par = plant_record(parameters, valve_system, boost_table)
+        self.table = boost_table
+        self.sensors = sensors.sensor_table(parameters)
+        self.effects = np.zeros(0) if effect_values is None else effect_values
+        self.names = state_names(valve_system)
+        raised = parameters["valve_controller.common_pressure_raise"]
+        nominal = rest_state(self.par, self.table, raised)
+        self.state = np.concatenate([nominal, np.zeros(effect_states)])
+        allowed = [TOLERANCES[name] for name in self.names] + [EFFECT_TOLERANCE] * effect_states
+        self.scale = np.array(allowed) * parameters["simulation.tolerance"]
+        self.inner_step = np.array([1e-4])
+        self.inputs = np.zeros(states.INPUTS)
+        self.work = np.zeros((integrator.WORK_ROWS, len(self.state)))
+        self.flows = np.zeros(states.FLOWS)
+        self.history = np.zeros((sensors.LONGEST_DELAY, len(sensors.CHANNELS)))
+        self.true = np.zeros(len(sensors.CHANNELS))
+        self.out = np.zeros(len(sensors.CHANNELS))
+        self.observe(0)
+
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """Return the arrays that ``plant_step`` takes before the tick and the inputs."""
+        return (
+            self.par,
+            self.table,
+            self.sensors,
+            self.effects,
+            self.scale,
+            self.state,
+            self.inner_step,
+            self.inputs,
+            self.work,
+            self.flows,
+            self.history,
+            self.true,
+            self.out,
+        )
+
+    def observe(self, tick: int) -> np.ndarray:
+        """Measure at ``tick`` without moving on; needed once, at tick 0."""
+        self.model.observe(
+            self.par,
+            self.sensors,
+            self.effects,
+            tick,
+            self.state,
+            self.inputs,
+            self.history,
+            self.true,
+            self.out,
+        )
+        return self.out
+
+    def step(
+        self,
+        tick: int,
+        driver_torque: float,
+        left_solenoid_force: float,
+        right_solenoid_force: float,
+        load_force: float,
+        load_stiffness: float,
+        load_position: float,
+    ) -> np.ndarray:
+        """Integrate from ``tick`` to the next with held commands; return what is measured there.
+
+        Raises PlantError where the state leaves what is possible.
+        """
+        status = self.model.plant_step(
+            *self.arrays(),
+            tick,
+            driver_torque,
+            left_solenoid_force,
+            right_solenoid_force,
+            load_force,
+            load_stiffness,
+            load_position,
+        )
+        if status != integrator.OK:
+            raise PlantError(failure_text(self, tick, status))
+        return self.out
+
+    def truth(self, tick: int) -> np.ndarray:
+        """Return the true states, shape (8,), fields of steering_msgs/PlantTruth."""
+        truth = np.zeros(8)
+        self.model.report_truth(
+            self.par,
+            self.table,
+            self.effects,
+            tick,
+            self.state,
+            self.inputs,
+            self.work,
+            self.flows,
+            truth,
+        )
+        return truth
+
+    def energy(self) -> float:
+        """Return the hydraulic energy drawn from the supply so far [J]."""
+        return float(self.state[states.ENERGY])
+
+
+def state_names(valve_system: str) -> tuple[str, ...]:
+    """Return the names of the nominal model's states in order."""
+    closed = valve_system == "closed_centre"
+    return states.CLOSED_CENTRE_NAMES if closed else states.OPEN_CENTRE_NAMES
+
+
+def plant_record(
+    parameters: ParameterSet, valve_system: str, boost_table: np.ndarray = boost_curve.FORMULA
+) -> np.ndarray:
+    """Return the record, shape (1,), that the plant's kernels read, with derived constants."""
+    values: dict[str, float] = {}
+    for group in GROUPS:
+        values |= parameters.group(group)
+    orifice_constant = values["flow_coefficient"] * math.sqrt(2.0 / values["density"])
+    damping_area = 0.25 * math.pi * values["damping_orifice_diameter"] ** 2
+    values |= boost_curve.valve_constants(parameters, boost_table)
+    values |= {
+        "supply_pressure": parameters["closed_centre.supply_pressure"],
+        "closed_centre": 1.0 if valve_system == "closed_centre" else 0.0,
+        "orifice_constant": orifice_constant,
+        "pressure_area": 0.25 * math.pi * values["pressure_area_diameter"] ** 2,
+        "damping_orifice_conductance": orifice_constant * damping_area,
+    }
+    check_geometry(values)
+    return record(values)
+
+
+def check_geometry(values: dict[str, float]) -> None:
+    """Raise ValueError where the stroke is longer than the chambers are large."""
+    swept = values["piston_area"] * values["rack_stop_position"]
+    if swept >= values["chamber_volume"]:
+        raise ValueError(
+            f"open_centre.chamber_volume ({values['chamber_volume']:g} m3) must exceed "
+            f"mechanics.piston_area x mechanics.rack_stop_position ({swept:g} m3), "
+            "or a chamber would vanish at the end of the stroke"
+        )
+
+
+def failure_text(plant: Plant, tick: int, status: int) -> str:
+    """Return the text of a PlantError: when, what, the state, and what to look at."""
+    what = {
+        integrator.NOT_FINITE: "left what is physically possible",
+        integrator.STEP_TOO_SMALL: "needs an inner step below 1 ns",
+    }[status]
+    listed = ", ".join(f"{n} {v:.4g}" for n, v in zip(plant.names, plant.state, strict=False))
+    return (
+        f"the plant's state {what} after t = {tick * 1e-3:.3f} s (tick {tick}). Last good state: "
+        f"{listed}. Usual causes: an unstable controller (lower valve_controller.resonance), "
+        "an extreme parameter, or simulation.inner_steps set too low (0 fits it to the error)"
+    )

@@ -1,0 +1,91 @@
+"""The plant's equilibrium at the start: wheel and rack centred, no load, valves in balance."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import brentq
+
+from steering_plant import boost_curve
+from steering_plant.control_valve import holes_area
+from steering_plant.model.states import (
+    CLOSED_CENTRE_SIZE,
+    CONTROL,
+    LEFT,
+    LEFT_VALVE,
+    OPEN_CENTRE_SIZE,
+    PUMP,
+    RIGHT,
+    RIGHT_VALVE,
+    SPOOL,
+)
+from steering_plant.orifice import orifice_flow
+
+
+def rest_state(par: np.ndarray, table: np.ndarray, raised: float = 0.0) -> np.ndarray:
+    """Return the state at rest, shape (10,) open centre or (15,) closed centre.
+
+    raised: common pressure raise of the closed-centre controllers [Pa].
+    """
+    p = par[0]
+    if p["closed_centre"] > 0.0:
+        return _closed_centre(p, closed_centre_rest_pressure(par, table, raised))
+    return _open_centre(p, table)
+
+
+def closed_centre_rest_pressure(par: np.ndarray, table: np.ndarray, raised: float) -> float:
+    """Return both chambers' pressure at rest [Pa]: the open-centre map's plus the common raise."""
+    right, _ = boost_curve.static_pressures(par[0], table, 0.0, 0.0)
+    return float(right) + raised
+
+
+def rest_spool(p: np.void, pressure: float) -> float:
+    """Return the spool position [m] at which supply and tank edge pass the same flow."""
+    underlap = float(p["underlap"])
+    if underlap <= 0.0:
+        return 0.0
+
+    def surplus(spool: float) -> float:
+        supply_area = holes_area(p["hole_diameter"], spool + underlap)
+        tank_area = holes_area(p["hole_diameter"], underlap - spool)
+        transition = p["laminar_transition_pressure"]
+        drop = p["supply_pressure"] - pressure
+        inflow = orifice_flow(supply_area, drop, transition)
+        return float(inflow - orifice_flow(tank_area, pressure, transition))
+
+    return float(brentq(surplus, -underlap, underlap, xtol=1e-18))
+
+
+def rest_solenoid_force(p: np.void, pressure: float) -> float:
+    """Return the solenoid force [N] that holds ``pressure`` [Pa] without load flow (eq. 5.1)."""
+    spool = rest_spool(p, pressure)
+    underlap = p["underlap"]
+    jet = 2.0 * p["flow_coefficient"] * p["jet_angle_cosine"]
+    supply_area = holes_area(p["hole_diameter"], spool + underlap)
+    tank_area = holes_area(p["hole_diameter"], underlap - spool)
+    flow_force = jet * (supply_area * (p["supply_pressure"] - pressure) - tank_area * pressure)
+    spring = p["spring_preload"] + p["spring_stiffness"] * spool
+    return float(p["pressure_area"] * pressure + spring + flow_force)
+
+
+def _closed_centre(p: np.void, pressure: float) -> np.ndarray:
+    state = np.zeros(CLOSED_CENTRE_SIZE)
+    state[[LEFT, RIGHT]] = pressure
+    for first in (LEFT_VALVE, RIGHT_VALVE):
+        state[first + SPOOL] = rest_spool(p, pressure)
+        state[first + CONTROL] = pressure
+    return state
+
+
+def _open_centre(p: np.void, table: np.ndarray) -> np.ndarray:
+    area, _ = boost_curve.opening_areas(p, table, 0.0)
+    conductance = float(p["orifice_constant"] * area)
+
+    def surplus(pressure: float) -> float:
+        transition = p["laminar_transition_pressure"]
+        return float(2.0 * orifice_flow(conductance, pressure, transition) - p["pump_flow"])
+
+    pressure = brentq(surplus, 0.0, 1e9, xtol=1e-9)
+    state = np.zeros(OPEN_CENTRE_SIZE)
+    state[[LEFT, RIGHT]] = pressure
+    state[PUMP] = 2.0 * pressure
+    return state
