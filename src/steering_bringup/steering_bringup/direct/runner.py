@@ -1,0 +1,171 @@
+"""Run a closed loop of cores without ROS and return its traces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+
+import numpy as np
+from driver_model.driver import Driver
+from pressure_control.controller import ValveController
+from steering_core.naming import unknown
+from steering_plant.plant import Plant, PlantError, failure_text
+from vehicle_model.vehicle import Vehicle
+
+from steering_bringup.direct import loop as nominal_loop
+
+CHUNK = 10_000
+"""Ticks between two reports of progress."""
+
+CONNECTIONS = (
+    "/steering/torque->driver",
+    "/steering/torque->valve_left",
+    "/steering/pressure->valve_left",
+    "/steering/rack->valve_left",
+    "/steering/torque->valve_right",
+    "/steering/pressure->valve_right",
+    "/steering/rack->valve_right",
+    "/steering/rack->vehicle",
+    "/driver/torque->plant",
+    "/valve/left/command->plant",
+    "/valve/right/command->plant",
+    "/vehicle/rack_force->plant",
+)
+"""Connections that can have a delay, in the order of the loop's vector of delays."""
+
+
+@dataclass(frozen=True)
+class Cores:
+    """The cores of one closed loop; the valve controllers are None for the open-centre system.
+
+    loop: module with ``run_ticks``; another one carries effects, as ``plant.model`` does.
+    """
+
+    plant: Plant
+    driver: Driver
+    vehicle: Vehicle
+    left: ValveController | None = None
+    right: ValveController | None = None
+    loop: ModuleType = nominal_loop
+
+
+@dataclass(frozen=True)
+class DirectTrace:
+    """What a direct run leaves: one float64 array a topic, row k of tick k, SI units.
+
+    torque (n, 3), pressure (n, 3), rack (n, 3), driver (n, 2), left_valve and right_valve (n, 2;
+    no rows for the open-centre system), load (n, 3), truth (n, 8; no rows unless asked for):
+    fields of the messages in order. motion (n/10, 6): the vehicle's states at 100 Hz.
+    """
+
+    torque: np.ndarray
+    pressure: np.ndarray
+    rack: np.ndarray
+    driver: np.ndarray
+    left_valve: np.ndarray
+    right_valve: np.ndarray
+    load: np.ndarray
+    truth: np.ndarray
+    motion: np.ndarray
+
+    def topics(self) -> dict[str, np.ndarray]:
+        """Return the arrays of the 1 kHz topics that were produced, by topic."""
+        named = {
+            "/steering/torque": self.torque,
+            "/steering/pressure": self.pressure,
+            "/steering/rack": self.rack,
+            "/driver/torque": self.driver,
+            "/valve/left/command": self.left_valve,
+            "/valve/right/command": self.right_valve,
+            "/vehicle/rack_force": self.load,
+            "/truth/plant": self.truth,
+        }
+        return {topic: rows for topic, rows in named.items() if len(rows)}
+
+
+def delay_vector(delays: Mapping[str, int]) -> np.ndarray:
+    """Return the loop's delays in ticks, int64 of shape (12,), from connections by name.
+
+    Names are ``topic->node``. Raises ValueError for an unknown one or a negative delay.
+    """
+    vector = np.zeros(len(CONNECTIONS), dtype=np.int64)
+    for name, ticks in delays.items():
+        if name not in CONNECTIONS:
+            raise ValueError(unknown("connection", name, CONNECTIONS))
+        if ticks < 0:
+            raise ValueError(f"the delay of {name} must not be negative, got {ticks}")
+        vector[CONNECTIONS.index(name)] = ticks
+    return vector
+
+
+def rest_rows(cores: Cores) -> tuple[np.ndarray, ...]:
+    """Return what each delayed topic held before the first tick: the state of rest."""
+    zeros = np.zeros(2)
+    left = zeros if cores.left is None else cores.left.out.copy()
+    right = zeros if cores.right is None else cores.right.out.copy()
+    return (cores.plant.out.copy(), zeros, left, right, np.zeros(3))
+
+
+def run(
+    cores: Cores,
+    ticks: int,
+    delays: Mapping[str, int] | None = None,
+    truth: bool = False,
+    on_progress: Callable[[int], None] | None = None,
+) -> DirectTrace:
+    """Run ``ticks`` ticks from the cores' present state and return the traces.
+
+    The cores are moved on in place, so a run needs fresh ones. ``on_progress`` gets the number of
+    ticks done. Raises PlantError where the plant's state leaves what is possible.
+    """
+    closed = cores.left is not None and cores.right is not None
+    rows = ticks if closed else 0
+    measured, motion = np.empty((ticks, 9)), np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), 6))
+    traces = (
+        measured,
+        np.empty((ticks, 2)),
+        np.empty((rows, 2)),
+        np.empty((rows, 2)),
+        np.empty((ticks, 3)),
+        np.empty((ticks if truth else 0, 8)),
+        motion,
+    )
+    arrays = _arrays(cores)
+    waiting = delay_vector(delays or {})
+    rest = rest_rows(cores)
+    for start in range(0, ticks, CHUNK):
+        stop = min(start + CHUNK, ticks)
+        status, tick = cores.loop.run_ticks(start, stop, ticks, *arrays, waiting, rest, traces)
+        if status != 0:
+            raise PlantError(failure_text(cores.plant, tick, status))
+        if on_progress is not None:
+            on_progress(stop)
+    torque, pressure, rack = measured[:, :3], measured[:, 3:6], measured[:, 6:]
+    return DirectTrace(torque, pressure, rack, *traces[1:])
+
+
+def _arrays(cores: Cores) -> tuple[tuple[np.ndarray, ...], ...]:
+    driver, vehicle = cores.driver, cores.vehicle
+    return (
+        cores.plant.arrays(),
+        _controller_arrays(cores.left),
+        _controller_arrays(cores.right),
+        (driver.par, driver.reference, driver.hands_on, driver.state, driver.out),
+        (vehicle.par, vehicle.external, vehicle.state, vehicle.out),
+    )
+
+
+def _controller_arrays(controller: ValveController | None) -> tuple[np.ndarray, ...]:
+    if controller is None:
+        return _absent_controller()
+    return (controller.par, controller.table, controller.state, controller.out)
+
+
+def _absent_controller() -> tuple[np.ndarray, ...]:
+    """Return arrays of a controller's types for a loop that has none; they are never used."""
+    from pressure_control.controller import controller_record
+    from steering_core.parameters import load_parameters
+    from steering_plant.boost_curve import FORMULA
+
+    return (controller_record(load_parameters(), "left"), FORMULA, np.zeros(3), np.zeros(2))
