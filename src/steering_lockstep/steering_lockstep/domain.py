@@ -1,0 +1,69 @@
+"""A ROS domain for this run alone, so that two runs on one machine never meet."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+# Domains up to 101 have ports below the kernel's ephemeral range.
+CANDIDATES = tuple(range(1, 102))
+DISCOVERY_PORT = 7400
+PORTS_PER_DOMAIN = 250
+
+
+class DomainError(RuntimeError):
+    """No domain is free, or the one asked for is in use by another run."""
+
+
+@dataclass
+class DomainClaim:
+    """A claimed ROS_DOMAIN_ID. The kernel frees the claim when the process ends, however it does."""
+
+    number: int
+    _socket: socket.socket
+
+    def release(self) -> None:
+        """Give the domain back."""
+        self._socket.close()
+
+
+def claim_domain(asked: int | None = None, candidates: Iterable[int] = CANDIDATES) -> DomainClaim:
+    """Claim ``asked``, or a domain that no other run and no DDS participant here uses.
+
+    Raises ``DomainError``.
+    """
+    if asked is not None:
+        claim = _claim(asked)
+        if claim is None:
+            raise DomainError(f"ROS_DOMAIN_ID {asked} is used by another run on this machine")
+        return claim
+    candidates = tuple(candidates)
+    start = os.getpid() % len(candidates)
+    for number in candidates[start:] + candidates[:start]:
+        claim = _claim(number) if _is_quiet(number) else None
+        if claim is not None:
+            return claim
+    raise DomainError("no free ROS_DOMAIN_ID on this machine")
+
+
+def _claim(number: int) -> DomainClaim | None:
+    """Bind a name in the kernel's abstract socket space: no file, one owner, gone with it."""
+    holder = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    try:
+        holder.bind(f"\0steering-bench-domain-{number}")
+    except OSError:
+        holder.close()
+        return None
+    return DomainClaim(number, holder)
+
+
+def _is_quiet(number: int) -> bool:
+    """Return whether no participant listens on the domain's discovery port."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(("", DISCOVERY_PORT + PORTS_PER_DOMAIN * number))
+        except OSError:
+            return False
+    return True

@@ -1,0 +1,32 @@
+"""Kinds of nodes and where their programs are. A new kind of node is one line here."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from difflib import get_close_matches
+from typing import Any
+
+FACTORIES = {
+    "plant": "steering_plant.plant_node:make",
+    "valve_controller": "pressure_control.controller_node:make",
+    "driver": "driver_model.driver_node:make",
+    "vehicle": "vehicle_model.vehicle_node:make",
+    "recorder": "steering_bringup.recorder_node:make",
+}
+
+
+def location(kind: str) -> str:
+    """Return "module:function" of ``kind``, which may itself be one; ``KeyError`` otherwise."""
+    if ":" in kind:
+        return kind
+    if kind not in FACTORIES:
+        near = get_close_matches(kind, FACTORIES, n=1, cutoff=0.0)
+        raise KeyError(f"unknown kind of node '{kind}'; nearest: {near[0]}")
+    return FACTORIES[kind]
+
+
+def factory(kind: str) -> Callable[..., Any]:
+    """Return the function ``make(context, spec, run, parameters)`` of ``kind``."""
+    module, function = location(kind).split(":")
+    return getattr(importlib.import_module(module), function)

@@ -1,0 +1,48 @@
+"""What every node of a run must know: the graph, its length, rest values, pacing. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from steering_lockstep.barrier import Input
+from steering_lockstep.graph import Graph, NodeSpec
+from steering_lockstep.topics import CREDIT, topic, wire
+
+CREDIT_TICKS = 1000
+CREDIT_EVERY = 100
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """``ticks``: 0 to ticks - 1; ``rest``: values before a delayed input's first message."""
+
+    graph: Graph
+    ticks: int
+    rest: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    real_time: bool = False
+
+    def every(self, name: str) -> int:
+        """Return the ticks between two messages on topic ``name``."""
+        return self.graph.node(self.graph.publisher[name]).period * topic(name).every
+
+    def messages(self, name: str) -> int:
+        """Return how many messages topic ``name`` carries in the whole run."""
+        return -(-self.ticks // self.every(name))
+
+    def inputs(self, spec: NodeSpec) -> list[Input]:
+        """Return the inputs of a node for its barrier."""
+        return [
+            Input(
+                name,
+                wire(name),
+                delay,
+                self.every(name),
+                tuple(float(v) for v in self.rest.get(name, ())),
+            )
+            for name, delay in spec.inputs.items()
+        ]
+
+    def readers(self, name: str) -> int:
+        """Return how many subscriptions of the graph topic ``name`` has."""
+        return len(self.graph.readers(name)) + (name == CREDIT)
