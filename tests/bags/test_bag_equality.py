@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from steering_bringup.bags import BagWriter, first_difference, read_bag
+from steering_bringup.bags import BagWriter, Difference, Trace, first_difference, read_bag
 
 
 @pytest.fixture
@@ -24,6 +24,12 @@ def _bag(path, topics, ticks, change, count):
     return read_bag(path)
 
 
+def _difference(a: Trace, b: Trace) -> Difference:
+    found = first_difference(a, b)
+    assert found is not None
+    return found
+
+
 def test_equal_traces_have_no_difference(bag):
     assert first_difference(bag("a"), bag("b")) is None
 
@@ -32,20 +38,20 @@ def test_equal_traces_have_no_difference(bag):
 def test_the_last_bit_of_one_number_is_seen(bag, tick):
     # Byte -8 is the least significant of the last float64, reference_angle.
     changed = bag("b", ("/driver/torque", tick, -8))
-    found = first_difference(bag("a"), changed)
+    found = _difference(bag("a"), changed)
     assert (found.topic, found.tick, found.field) == ("/driver/torque", tick, "reference_angle")
     assert found.left != found.right
 
 
 def test_the_frame_id_counts(bag):
-    found = first_difference(bag("a"), bag("b", ("/driver/torque", 3, 16)))
+    found = _difference(bag("a"), bag("b", ("/driver/torque", 3, 16)))
     assert found.tick == 3
     assert "outside" in found.field
 
 
 def test_a_shorter_and_a_missing_topic_are_differences(bag):
     a, b = bag("a"), bag("b", count=90)
-    assert (first_difference(a, b).tick, first_difference(a, b).field) == (90, "count")
+    assert (_difference(a, b).tick, _difference(a, b).field) == (90, "count")
     del b.topics["/driver/torque"]
     assert "missing" in str(first_difference(a, b))
     assert first_difference(a, bag("c"), topics=["/steering/rack"]) is None
@@ -56,7 +62,7 @@ def test_the_earliest_of_several_differences_is_reported(bag):
     b = bag("b", ("/driver/torque", 50, -1))
     b.payloads["/steering/rack"] = b.payloads["/steering/rack"].copy()
     b.payloads["/steering/rack"][20, -1] ^= 1
-    assert first_difference(a, b).topic == "/steering/rack"
+    assert _difference(a, b).topic == "/steering/rack"
 
 
 def test_nan_equals_itself_by_its_bits(bag):

@@ -1,6 +1,7 @@
 """What is written comes back, to the bit, by our reader and by rosbags' own."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def test_rosbags_reads_the_same_values(make_bag):
         assert reader.message_count == 180
         for connection, stamp, data in reader.messages():
             if connection.topic == "/steering/torque":
-                message = reader.deserialize(data, connection.msgtype)
+                message: Any = reader.deserialize(data, connection.msgtype)
                 assert stamp == message.tick * 1_000_000
                 angles.append(message.steering_wheel_angle)
     assert np.array_equal(trace.column("/steering/torque", "steering_wheel_angle"), angles)

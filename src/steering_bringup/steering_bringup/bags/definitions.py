@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -70,8 +70,13 @@ def _standard_types() -> Typestore:
 
 def typestore_of(definitions: dict[str, str]) -> Typestore:
     """A type store from the definitions that a bag carries (type -> definition text)."""
+    return _typestore_of(tuple(sorted(definitions.items())))
+
+
+@lru_cache(maxsize=16)
+def _typestore_of(definitions: tuple[tuple[str, str], ...]) -> Typestore:
     store = get_typestore(Stores.EMPTY)
-    for name, text in definitions.items():
+    for name, text in definitions:
         types = get_types_from_msg(text, name)
         store.register({n: t for n, t in types.items() if n not in store.fielddefs})
     return store

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields as dataclass_fields
-from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
@@ -42,8 +41,8 @@ def encode(
 
 def _empty(store: Any, msgtype: str, frame_id: str) -> Any:
     """A message of zeros and empty texts, with its frame_id."""
-    kind = store.types[msgtype]
-    arguments = {}
+    kind: Any = store.types[msgtype]
+    arguments: dict[str, Any] = {}
     for name, (node, detail) in store.fielddefs[msgtype][1]:
         if name == "frame_id":
             arguments[name] = frame_id
@@ -55,7 +54,6 @@ def _empty(store: Any, msgtype: str, frame_id: str) -> Any:
             arguments[name] = np.zeros(detail[1], detail[0][1][0])
         else:
             arguments[name] = []
-    assert is_dataclass(kind)
     return kind(
         **{f.name: arguments[f.name] for f in dataclass_fields(kind) if f.name in arguments}
     )

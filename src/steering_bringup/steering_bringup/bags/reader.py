@@ -98,13 +98,13 @@ def _damage_note(trace: Trace, found: Scan) -> str:
     return f"not complete ({text}): {found.message_count} messages{until} were recovered"
 
 
-def map_file(file: Path) -> np.ndarray:
-    """A file's bytes as (n,) uint8 without reading them into memory."""
+def map_file(file: Path) -> memoryview:
+    """A file's bytes without reading them into memory."""
     try:
         with file.open("rb") as handle:
             if file.stat().st_size == 0:
-                return np.empty(0, np.uint8)
-            return np.frombuffer(mmap.mmap(handle.fileno(), 0, access=mmap.ACCESS_READ), np.uint8)
+                return memoryview(b"")
+            return memoryview(mmap.mmap(handle.fileno(), 0, access=mmap.ACCESS_READ))
     except OSError as error:
         raise BagError(f"'{file}' cannot be read: {error.strerror}") from error
 

@@ -55,8 +55,7 @@ def repair(path: str | Path) -> Recovery:
     file = files[0]
     if is_being_written(file):
         raise BagError(f"'{file}' is still being written")
-    data = np.fromfile(file, np.uint8)
-    found = scan(data)
+    found = _scan(file)
     if found.finished and (folder / "metadata.yaml").exists():
         raise BagError(f"'{folder}' is complete: there is nothing to repair")
     if not found.message_count:
@@ -65,6 +64,14 @@ def repair(path: str | Path) -> Recovery:
         return _rebuild(folder, file, found)
     except OSError as error:
         raise BagError(f"'{folder}' cannot be repaired: {error.strerror}") from error
+
+
+def _scan(file: Path) -> Scan:
+    """Scan a copy in memory: the file itself gets another name while its messages are used."""
+    try:
+        return scan(memoryview(file.read_bytes()))
+    except (OSError, ValueError) as error:
+        raise BagError(f"'{file}' cannot be repaired: {error}") from error
 
 
 def _rebuild(folder: Path, file: Path, found: Scan) -> Recovery:
@@ -119,12 +126,11 @@ def _in_file_order(block: Block, found: Scan) -> Iterator[tuple[str, int, memory
     sizes = gather(block.data, offsets + 1, np.dtype("<u8")).astype(int) - 22
     stamps = gather(block.data, offsets + 15, np.dtype("<i8")).tolist()
     topics = {key: channel.topic for key, channel in found.channels.items()}
-    view = memoryview(np.ascontiguousarray(block.data))
     for channel, offset, size, stamp in zip(
         channels.tolist(), offsets.tolist(), sizes.tolist(), stamps, strict=True
     ):
         if channel in topics:
-            yield topics[channel], stamp, view[offset + PAYLOAD : offset + PAYLOAD + size]
+            yield topics[channel], stamp, block.data[offset + PAYLOAD : offset + PAYLOAD + size]
 
 
 def _run_of(folder: Path) -> dict[str, object]:

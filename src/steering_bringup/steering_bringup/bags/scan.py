@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from lz4.frame import decompress as lz4_decompress
-from rosbags.rosbag2.storage_mcap import zstd
+from rosbags.rosbag2.storage_mcap import DECOMPRESSORS
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX = 0x02, 0x03, 0x04, 0x05, 0x06, 0x07
 DATA_END = 0x0F
+CUT_CHUNK = -1  # not in the file format: a chunk record whose end is missing
 RECORD_HEAD = 9
 PAYLOAD = 31  # from a message record's start to its payload
 LOG_TIME = 15
@@ -38,7 +40,7 @@ class Channel:
 class Block:
     """Uncompressed bytes with the offsets of the message records in them, per channel."""
 
-    data: np.ndarray
+    data: memoryview
     offsets: dict[int, np.ndarray]
 
 
@@ -58,8 +60,8 @@ class Scan:
         return sum(len(o) for block in self.blocks for o in block.offsets.values())
 
 
-def scan(data: np.ndarray) -> Scan:
-    """Find all messages in an MCAP file given as (n,) uint8.
+def scan(data: memoryview) -> Scan:
+    """Find all messages in an MCAP file given as its bytes.
 
     Never raises on damage: what is whole is returned, the rest is told in `damage`.
     Raises ValueError if the file is no MCAP file at all.
@@ -80,6 +82,8 @@ def scan(data: np.ndarray) -> Scan:
             pending = None
         if op == CHUNK:
             pending = _open_chunk(data, start, body, end, found)
+        elif op == CUT_CHUNK:
+            _salvage(data[body:end], found)
         elif op == MESSAGE:
             loose.setdefault(_u16(data, body)[0], []).append(start)
         elif op == DATA_END:
@@ -96,8 +100,8 @@ def scan(data: np.ndarray) -> Scan:
     return found
 
 
-def _records(data: np.ndarray, position: int, found: Scan):  # type: ignore[no-untyped-def]
-    """Yield (op, start, body, end) of whole records; a cut record ends it with damage noted."""
+def _records(data: memoryview, position: int, found: Scan) -> Iterator[tuple[int, int, int, int]]:
+    """Yield (op, start, body, end) of whole records, and of a chunk that is cut off at the end."""
     size = len(data)
     while position < size:
         if position + RECORD_HEAD > size:
@@ -109,7 +113,7 @@ def _records(data: np.ndarray, position: int, found: Scan):  # type: ignore[no-u
         if end > size:
             found.damage.append(f"cut off at byte {size}, {end - size} bytes short of a record")
             if op == CHUNK:
-                _salvage(data[body:], found)
+                yield CUT_CHUNK, position, body, size
             return
         yield op, position, body, end
         if op == FOOTER:
@@ -120,15 +124,15 @@ def _records(data: np.ndarray, position: int, found: Scan):  # type: ignore[no-u
 class _Chunk:
     """A chunk whose message indexes follow it."""
 
-    def __init__(self, content: np.ndarray) -> None:
+    def __init__(self, content: memoryview) -> None:
         self.content = content
         self.index: dict[int, np.ndarray] = {}
 
-    def take_index(self, body: np.ndarray) -> None:
+    def take_index(self, body: memoryview) -> None:
         (channel,) = _u16(body, 0)
         (size,) = _u32(body, 2)
         if size <= len(body) - 6 and size % 16 == 0:
-            self.index[channel] = np.frombuffer(body[6 : 6 + size].tobytes(), "<u8")[1::2]
+            self.index[channel] = np.frombuffer(body[6 : 6 + size], "<u8")[1::2]
 
     def finish(self, found: Scan) -> None:
         offsets = self._checked_index(found)
@@ -153,7 +157,7 @@ class _Chunk:
         return offsets if whole else None
 
 
-def _open_chunk(data: np.ndarray, start: int, body: int, end: int, found: Scan) -> _Chunk | None:
+def _open_chunk(data: memoryview, start: int, body: int, end: int, found: Scan) -> _Chunk | None:
     """Decompress and check a whole chunk record."""
     try:
         _, _, size, checksum = _chunk_head(data, body)
@@ -170,7 +174,7 @@ def _open_chunk(data: np.ndarray, start: int, body: int, end: int, found: Scan) 
     return _Chunk(content)
 
 
-def _salvage(rest: np.ndarray, found: Scan) -> None:
+def _salvage(rest: memoryview, found: Scan) -> None:
     """Messages of a chunk whose end is missing: those before the cut, if not compressed."""
     if len(rest) < 32:
         return
@@ -183,25 +187,24 @@ def _salvage(rest: np.ndarray, found: Scan) -> None:
         found.blocks.append(Block(content, offsets))
 
 
-def walk(content: np.ndarray, found: Scan) -> tuple[dict[int, np.ndarray], bool]:
+def walk(content: memoryview, found: Scan) -> tuple[dict[int, np.ndarray], bool]:
     """Message offsets of a chunk, record by record; False if it does not end with a record."""
     offsets: dict[int, list[int]] = {}
-    view = memoryview(np.ascontiguousarray(content))
-    position, size = 0, len(view)
+    position, size = 0, len(content)
     while position + RECORD_HEAD <= size:
-        op, length = _head(view, position)
+        op, length = _head(content, position)
         end = position + RECORD_HEAD + length
         if end > size:
             break
         if op == MESSAGE and length >= PAYLOAD - RECORD_HEAD:
-            offsets.setdefault(_u16(view, position + RECORD_HEAD)[0], []).append(position)
+            offsets.setdefault(_u16(content, position + RECORD_HEAD)[0], []).append(position)
         else:
             _define(op, content[position + RECORD_HEAD : end], found)
         position = end
     return {c: np.array(o, dtype=np.int64) for c, o in offsets.items()}, position == size
 
 
-def _define(op: int, body: np.ndarray, found: Scan) -> None:
+def _define(op: int, body: memoryview, found: Scan) -> None:
     """Take a schema or a channel record; anything else is not needed for reading."""
     if op == SCHEMA:
         (key,) = _u16(body, 0)
@@ -217,20 +220,19 @@ def _define(op: int, body: np.ndarray, found: Scan) -> None:
         found.channels[key] = Channel(topic, name, text, encoding)
 
 
-def _text(data: np.ndarray, position: int) -> tuple[str, int]:
+def _text(data: memoryview, position: int) -> tuple[str, int]:
     (size,) = _u32(data, position)
     end = position + 4 + size
     return data[position + 4 : end].tobytes().decode("utf-8", "replace"), end
 
 
-def _decompress(name: str, packed: np.ndarray) -> np.ndarray:
+def _decompress(name: str, packed: memoryview) -> memoryview:
     if not name:
         return packed
-    function = {"zstd": zstd.decompress, "lz4": lz4_decompress}[name]
-    return np.frombuffer(function(packed.tobytes()), np.uint8)
+    return memoryview(DECOMPRESSORS[name](packed.tobytes(), 0))
 
 
-def gather(content: np.ndarray, offsets: np.ndarray, dtype: np.dtype) -> np.ndarray:  # type: ignore[type-arg]
+def gather(content: memoryview, offsets: np.ndarray, dtype: np.dtype[Any]) -> np.ndarray:
     """Values of `dtype` at byte `offsets` of `content`, whatever their alignment: (n,)."""
     count = len(content) - dtype.itemsize + 1
     if count <= 0 or not len(offsets):

@@ -12,7 +12,6 @@ from array import array
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 from rosbags.interfaces import Connection
@@ -141,4 +140,6 @@ def _time_range(entries: Mapping[int, np.ndarray]) -> tuple[int, int]:
 class FlushedWriter(Writer):
     """rosbags' rosbag2 writer on the flushed storage."""
 
-    STORAGE_PLUGINS: ClassVar = {**Writer.STORAGE_PLUGINS, StoragePlugin.MCAP: FlushedMcap}
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, version=9, storage_plugin=StoragePlugin.MCAP)
+        self.STORAGE_PLUGINS = {StoragePlugin.MCAP: FlushedMcap}

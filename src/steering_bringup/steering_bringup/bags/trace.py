@@ -24,7 +24,7 @@ class Gap:
         return f"{self.topic}: {self.missing} ticks missing between {self.after} and {self.before}"
 
 
-@dataclass
+@dataclass(repr=False)
 class Trace:
     """What was recorded.
 
@@ -50,6 +50,10 @@ class Trace:
         """A short name for tables and legends."""
         return self.path.name if self.path else "trace"
 
+    def __repr__(self) -> str:
+        state = "complete" if self.complete else "not complete"
+        return f"Trace({self.name}: {self.message_count} messages, {state})"
+
     def __contains__(self, topic: str) -> bool:
         return topic in self.topics
 
@@ -63,8 +67,9 @@ class Trace:
     def column(self, topic: str, name: str) -> np.ndarray:
         """One field of a topic, (n,); BagError naming what there is if it is not there."""
         rows = self[topic]
-        if name not in (rows.dtype.names or ()):
-            raise BagError(f"{topic} has no field {name}; it has {', '.join(rows.dtype.names)}")
+        names = rows.dtype.names or ()
+        if name not in names:
+            raise BagError(f"{topic} has no field {name}; it has {', '.join(names)}")
         return rows[name]
 
     @property

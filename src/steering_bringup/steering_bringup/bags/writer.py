@@ -6,13 +6,14 @@ import json
 import shutil
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 import yaml
-from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlugin
+from rosbags.rosbag2.enums import CompressionFormat, CompressionMode
 from rosbags.rosbag2.errors import WriterError
 
 from steering_bringup.bags.definitions import definition, typestore_of
@@ -70,7 +71,7 @@ class BagWriter:
         if overwrite:
             _remove_bag(self.path)
         try:
-            self._writer = FlushedWriter(self.path, version=9, storage_plugin=StoragePlugin.MCAP)
+            self._writer = FlushedWriter(self.path)
             if compress:
                 self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
             self._writer.open()
@@ -139,6 +140,7 @@ class BagWriter:
             self._failure = BagError(
                 f"bag '{self.path}' cannot be written on: {error.strerror}; {self._extent()}"
             )
+            self.outcome = f"failed: {self._failure}"
             raise self._failure from error
 
     @property
@@ -153,30 +155,27 @@ class BagWriter:
         return f"the {self.message_count} messages up to t = {last * 1e-9:.3f} s stay readable"
 
     def close(self) -> None:
-        """Write index and metadata.yaml; the bag is complete after it. May be called twice."""
+        """Write index and metadata.yaml; the bag is complete after it. May be called twice.
+
+        Raises BagError if that fails, unless an earlier write has failed and said so already.
+        """
         if self._writer.storage is None:
             return
         self._writer.set_custom_data(RUN_KEY, json.dumps(self._run, allow_nan=True))
-        failure = self._failure
-        if failure is None:
-            try:
+        known = self._failure
+        if known is None:
+            with suppress(BagError):
                 self.flush()
-            except BagError as error:
-                failure = error
-        if failure is not None:
-            self.outcome = f"failed: {failure}"
         self._writer.set_custom_data(OUTCOME_KEY, self.outcome)
         try:
             self._finish()
         except OSError as error:
             self._writer.abort()
-            failure = failure or BagError(
+            self._failure = self._failure or BagError(
                 f"bag '{self.path}' cannot be closed: {error.strerror}; {self._extent()}"
             )
-        already_raised = failure is self._failure and failure is not None
-        self._failure = failure
-        if failure is not None and not already_raised:
-            raise failure
+        if known is None and self._failure is not None:
+            raise self._failure
 
     def _finish(self) -> None:
         writer, storage = self._writer, self._storage
