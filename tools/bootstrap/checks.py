@@ -1,0 +1,40 @@
+"""./steer test: the linter, the type checker and the tests, each shown before it runs."""
+
+import shlex
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+from bootstrap.layout import Layout
+from bootstrap.progress import say
+
+# Only these plug-ins: a sourced ROS brings others, which do not fit the locked pytest.
+PLUGINS = ("xdist.plugin", "_hypothesis_pytestplugin")
+NO_TESTS = 5
+
+
+def commands(python: Path, arguments: list[str]) -> dict[str, list[str]]:
+    """Name of each check -> its command."""
+    plugins = [word for plugin in PLUGINS for word in ("-p", plugin)]
+    return {
+        "ruff": [str(python), "-m", "ruff", "check", "."],
+        "mypy": [str(python), "-m", "mypy"],
+        "pytest": [str(python), "-m", "pytest", *plugins, *arguments],
+    }
+
+
+def run(layout: Layout, python: Path, variables: Mapping[str, str], arguments: list[str]) -> int:
+    """Run all checks, even after one failed; 0 only where all passed and tests did run."""
+    environ = {**variables, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    failed = []
+    for name, command in commands(python, arguments).items():
+        say(f"running {shlex.join(['python', *command[1:]])}")
+        status = subprocess.run(command, cwd=layout.root, env=environ, check=False).returncode
+        if status != 0:
+            failed.append(f"{name} ({'no test ran' if _empty(name, status) else f'status {status}'})")
+    say(f"FAILED: {', '.join(failed)}" if failed else "all checks passed")
+    return 1 if failed else 0
+
+
+def _empty(name: str, status: int) -> bool:
+    return name == "pytest" and status == NO_TESTS

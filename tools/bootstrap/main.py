@@ -1,0 +1,56 @@
+"""Decides what a call of ./steer does: set-up, tests, or the command line in the environment."""
+
+import os
+import sys
+from pathlib import Path
+from typing import NoReturn
+
+from bootstrap import checks, setup_command
+from bootstrap.ensure import Ready, ensure
+from bootstrap.errors import SetupError
+from bootstrap.help_text import HELP
+from bootstrap.layout import Layout, python_of
+from bootstrap.start import RETRIED
+from bootstrap.variables import for_run
+
+
+def main(root: Path, arguments: list[str]) -> int:
+    """Exit status of the call; does not return where the command line takes over."""
+    try:
+        return dispatch(Layout.here(root), arguments)
+    except SetupError as error:
+        print(f"steer: {error}", file=sys.stderr)
+        return 1
+    except PermissionError as error:
+        print(f"steer: no permission for {error.filename}; does it belong to another user?",
+              file=sys.stderr)  # fmt: skip
+        return 1
+    except OSError as error:
+        print(f"steer: {error.strerror or error}: {error.filename or ''}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("\nsteer: interrupted; the next call goes on from here", file=sys.stderr)
+        return 130
+
+
+def dispatch(layout: Layout, arguments: list[str]) -> int:
+    """Hand the call to whoever answers it."""
+    command = arguments[0] if arguments else "--help"
+    if command in ("-h", "--help", "help"):
+        print(HELP)
+        return 0
+    if command == "setup":
+        return setup_command.run(layout, arguments[1:])
+    if command == "test":
+        ready = ensure(layout)
+        variables = for_run(layout, ready.environment, ready.workspace, os.environ)
+        return checks.run(layout, python_of(ready.environment), variables, arguments[1:])
+    hand_over(layout, ensure(layout, thorough=RETRIED in os.environ), arguments)
+
+
+def hand_over(layout: Layout, ready: Ready, arguments: list[str]) -> NoReturn:
+    """Become the command line: its exit status and its signals are those of this process."""
+    variables = for_run(layout, ready.environment, ready.workspace, os.environ)
+    python = str(python_of(ready.environment))
+    start = str(layout.root / "tools" / "bootstrap" / "start.py")
+    os.execve(python, [python, "-P", start, *arguments], variables)
