@@ -50,7 +50,8 @@ class ClockNode(LockstepNode):
 
     def result(self) -> dict[str, Any]:
         """Return times in ns of the monotonic clock and, in real time, each tick's latency."""
-        times = {"started_at": self.started_at, "ended_at": self.ended_at}
+        done = self.run.ticks if self.finished else self.barrier.tick
+        times = {"started_at": self.started_at, "ended_at": self.ended_at, "ticks": done}
         return {**super().result(), **times, "lateness": self.lateness}
 
     def _go(self) -> None:

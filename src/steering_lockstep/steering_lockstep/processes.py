@@ -2,69 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from time import monotonic_ns
 from typing import Any, Literal
 
+from steering_lockstep.domain import DomainError, claim_domain
 from steering_lockstep.graph import Graph
+from steering_lockstep.kinds import location
+from steering_lockstep.outcome import Progress, RunError, RunResult
+from steering_lockstep.settings import RunSettings
+from steering_lockstep.supervision import Child, Supervision
+from steering_lockstep.worker_job import Job
+from steering_lockstep.zygote import Zygote
+
+__all__ = ["Layout", "Progress", "RunError", "RunResult", "Zygote", "preload", "run_graph"]
 
 Layout = Literal["one", "each"] | Mapping[str, str]
-Phase = Literal["starting", "matching", "running", "closing"]
-
-
-@dataclass(frozen=True)
-class Progress:
-    """State of a run. ``tick`` of ``ticks`` done; wall clock in s since the run was started."""
-
-    phase: Phase
-    tick: int
-    ticks: int
-    wall_time: float
-    real_time_factor: float
-
-
-@dataclass(frozen=True)
-class RunError:
-    """Why a run failed.
-
-    ``kind``: "timeout" (a missing output), "start" (a node did not start or match), "died" (a
-    process ended on its own), "not_finite", "size", "order", "core" (a core raised), "record".
-    """
-
-    kind: str
-    node: str
-    topic: str | None
-    tick: int | None
-    message: str
-
-
-@dataclass
-class RunResult:
-    """What a run did. ``ok`` is true only when every tick was done and every node closed well.
-
-    ``counts``: published messages {node: {topic: n}}; ``lost``: gaps in sequence, {topic: n},
-    seen by any reader; ``first_tick_time`` is from the call to tick 0 in s, ``wall_time`` from
-    tick 0 to the last in s; ``latency``: only in real time, {"p50", "p99", "max" (s),
-    "overruns", "ticks"}; ``node_results``: what each node's ``result()`` returned;
-    ``stopped_by``: name of the signal that ended the run, or None; ``domain``: ROS_DOMAIN_ID.
-    """
-
-    ok: bool
-    ticks: int
-    wall_time: float
-    first_tick_time: float
-    counts: dict[str, dict[str, int]] = field(default_factory=dict)
-    lost: dict[str, int] = field(default_factory=dict)
-    error: RunError | None = None
-    stopped_by: str | None = None
-    latency: dict[str, float] | None = None
-    node_results: dict[str, dict[str, Any]] = field(default_factory=dict)
-    domain: int = -1
-
-    @property
-    def real_time_factor(self) -> float:
-        """Simulated time over wall-clock time, first tick to last."""
-        return self.ticks * 1e-3 / self.wall_time if self.wall_time > 0.0 else 0.0
 
 
 def run_graph(
@@ -79,16 +33,74 @@ def run_graph(
     start_timeout: float = 60.0,
     grace: float = 2.0,
     on_progress: Callable[[Progress], None] | None = None,
+    domain: int | None = None,
+    zygote: Zygote | None = None,
+    executor: str | None = None,
 ) -> RunResult:
     """Run ``graph`` for ``ticks`` ticks over DDS and return what happened.
 
     ``parameters``: {node name: {ROS parameter: value}}; ``rest``: {topic: values of the message's
     fields} for delayed inputs before their first message (default zeros); ``layout``: "one" (all
     nodes in a process), "each" (a process each) or {node: process name}. ``timeout``: wall-clock
-    seconds without a tick before the run is given up and the culprit named. ``on_progress`` is
-    called from the caller's thread about every 100 ticks, and at each change of phase.
+    seconds without a tick before the run is given up and the culprit named; ``start_timeout``:
+    until the first tick; ``grace``: to close in order before being killed. ``on_progress`` is
+    called from the caller's thread about ten times a second and at each change of phase.
+    ``domain``: ROS_DOMAIN_ID, by default a free one. ``zygote``: see ``preload``. ``executor``:
+    "module:function" of another rclpy executor, for comparison.
 
     Never raises for a failing run: the reason is ``RunResult.error``. SIGINT and SIGTERM end the
-    run in order (``stopped_by``); whatever happens, no process is left when it returns.
+    run in order (``stopped_by``; a second one at once); no process is left when it returns.
     """
-    raise NotImplementedError
+    called = monotonic_ns()
+    settings = RunSettings(graph, ticks, dict(rest or {}), real_time)
+    try:
+        claim = claim_domain(domain)
+    except DomainError as error:
+        failure = RunError("start", "", None, None, str(error))
+        return RunResult(error=failure)
+    own = zygote is None
+    crew = zygote if zygote is not None else preload(graph)
+    supervision = Supervision(settings, timeout, start_timeout, grace, on_progress)
+    try:
+        with supervision.signals():
+            for names in placement(graph, layout).values():
+                mine = {name: dict((parameters or {}).get(name, {})) for name in names}
+                job = Job(names, settings, claim.number, mine, ros_environment(), executor)
+                supervision.add(Child(names, *crew.fork("steering_lockstep.worker:work", job)))
+            result = supervision.run(crew)
+    finally:
+        if own:
+            crew.close()
+        claim.release()
+    result.domain = claim.number
+    if supervision.started_at:
+        result.first_tick_time = (supervision.started_at - called) * 1e-9
+    return result
+
+
+def preload(graph: Graph) -> Zygote:
+    """Start a zygote that imports the programs of ``graph``'s nodes in the background.
+
+    Hand it to several runs, or make it early, to save about a second each.
+    """
+    return Zygote(sorted({location(node.kind).split(":")[0] for node in graph.nodes}))
+
+
+def placement(graph: Graph, layout: Layout) -> dict[str, tuple[str, ...]]:
+    """Return which nodes run in which process: {process: node names}."""
+    processes: dict[str, tuple[str, ...]] = {}
+    for node in graph.nodes:
+        if layout == "one":
+            process = "bench"
+        elif layout == "each":
+            process = node.name
+        else:
+            process = layout.get(node.name, "bench")  # type: ignore[union-attr]
+        processes[process] = (*processes.get(process, ()), node.name)
+    return processes
+
+
+def ros_environment() -> dict[str, str]:
+    """Return the middleware's settings of a run; what the user has set is kept."""
+    defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+    return {name: os.environ.get(name, value) for name, value in defaults.items()}

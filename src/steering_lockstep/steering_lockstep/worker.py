@@ -1,0 +1,159 @@
+"""The program of a node process: build the nodes, match, run, close, and tell the supervisor.
+
+Messages to the supervisor: ("matching", [what is missing]), ("ready",), ("progress", tick),
+("reports", {node: Report}), ("finished",), ("error", RunError), ("result", {node: result}).
+From the supervisor: "go", "stop", "close". A supervisor that goes away means "stop".
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from multiprocessing.connection import Connection
+from time import monotonic
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+
+from steering_lockstep.clock_node import ClockNode
+from steering_lockstep.errors import LockstepError
+from steering_lockstep.kinds import factory
+from steering_lockstep.node import LockstepNode
+from steering_lockstep.outcome import RunError
+from steering_lockstep.spinner import Spinner
+from steering_lockstep.worker_job import Job
+
+MATCHING_STEP = 0.005
+MATCHING_REPORT = 0.25
+BEAT = 0.1
+
+
+class Link:
+    """The connection to the supervisor; sending is safe from two threads."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._lock = threading.Lock()
+        self.closing = threading.Event()
+
+    def send(self, *message: Any) -> None:
+        """Send a message; a supervisor that is gone is noticed by ``receive``."""
+        with self._lock:
+            try:
+                self._connection.send(message)
+            except OSError:
+                self.closing.set()
+
+    def receive(self, seconds: float) -> str | None:
+        """Return the supervisor's next word, None after ``seconds``, "stop" if it is gone."""
+        try:
+            return self._connection.recv() if self._connection.poll(seconds) else None
+        except (EOFError, OSError):
+            return "stop"
+
+
+def work(connection: Connection, job: Job) -> None:
+    """Run ``job`` to its end and report on ``connection``."""
+    link = Link(connection)
+    os.environ.update(job.environment)
+    context = Context()
+    rclpy.init(context=context, domain_id=job.domain)
+    nodes: list[LockstepNode] = []
+    try:
+        nodes = _build(link, context, job)
+        if len(nodes) == len(job.names):
+            _run(link, Spinner(context, nodes, _executor(job, context)))
+        _close(link, nodes)
+    finally:
+        for node in nodes:
+            node.destroy_node()
+        context.try_shutdown()
+
+
+def _build(link: Link, context: Context, job: Job) -> list[LockstepNode]:
+    nodes = []
+    for name in job.names:
+        spec = job.run.graph.node(name)
+        try:
+            make = factory(spec.kind)
+            nodes.append(make(context, spec, job.run, dict(job.parameters.get(name, {}))))
+        except Exception as error:
+            text = f"node '{name}' cannot start: {error}"
+            link.send("error", RunError("start", name, None, None, text))
+            break
+    return nodes
+
+
+def _executor(job: Job, context: Context) -> Any:
+    """Return the executor named by "module:function", for comparisons; None is our own."""
+    if job.executor is None:
+        return None
+    import importlib
+
+    module, name = job.executor.split(":")
+    return getattr(importlib.import_module(module), name)(context=context)
+
+
+def _run(link: Link, spinner: Spinner) -> None:
+    if not _match(link, spinner):
+        return
+    threading.Thread(target=_watch, args=(link, spinner), daemon=True).start()
+    spinner.run()
+    if spinner.error is not None:
+        link.send("error", _run_error(spinner.error))
+    elif spinner.finished:
+        link.send("finished")
+    elif not spinner.stopped:
+        name = spinner.nodes[0].spec.name
+        link.send("error", RunError("died", name, None, None, f"node '{name}' was terminated"))
+    link.closing.wait()
+
+
+def _match(link: Link, spinner: Spinner) -> bool:
+    """Wait until all endpoints are matched in both directions; False if told to stop."""
+    due = monotonic() + MATCHING_REPORT
+    while missing := spinner.unmatched():
+        if link.receive(0.0) == "stop" or not spinner.context.ok():
+            return False
+        if monotonic() >= due:
+            link.send("matching", missing)
+            due = monotonic() + MATCHING_REPORT
+        spinner.spin_for(MATCHING_STEP)
+    link.send("ready")
+    return True
+
+
+def _watch(link: Link, spinner: Spinner) -> None:
+    """Pass on the supervisor's words, and tell it of progress, or who waits for what."""
+    clock = next((n for n in spinner.nodes if isinstance(n, ClockNode)), None)
+    before: tuple[int, ...] = ()
+    while not link.closing.is_set():
+        word = link.receive(BEAT)
+        if word == "go":
+            spinner.start_clock()
+        elif word is not None:
+            spinner.stop()
+            link.closing.set()
+        ticks = tuple(node.barrier.tick for node in spinner.nodes)
+        if ticks == before:
+            link.send("reports", {node.spec.name: node.report() for node in spinner.nodes})
+        elif clock is not None:
+            link.send("progress", clock.barrier.tick)
+        before = ticks
+
+
+def _close(link: Link, nodes: list[LockstepNode]) -> None:
+    results = {}
+    for node in nodes:
+        try:
+            node.close()
+        except Exception as error:
+            name, text = node.spec.name, f"{type(error).__name__}: {error}"
+            link.send("error", RunError("record", name, None, node.barrier.tick, text))
+        results[node.spec.name] = node.result()
+    link.send("result", results)
+
+
+def _run_error(error: LockstepError) -> RunError:
+    return RunError(error.kind, error.node, error.topic, error.tick, str(error))
