@@ -17,6 +17,8 @@ Margins with the data sheet's wheel and torsion bar on a held rack, output hold 
 
     first-order hold   phase 51 deg at 135 rad/s, gain 23 dB; one more tick of delay: 44 deg, 14 dB
     zero-order hold    phase 52 deg at 154 rad/s, gain 21 dB; one more tick of delay: 44 deg, 12 dB
+
+The closed loop's damping ratio is 0.86, and 0.66 with one more tick of delay.
 """
 
 from __future__ import annotations

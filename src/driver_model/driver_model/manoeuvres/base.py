@@ -27,6 +27,8 @@ class Manoeuvre:
     """
 
     kind: ClassVar[str]
+    # Read where a schema library validates these dataclasses: unknown names are refused there too.
+    __pydantic_config__: ClassVar[dict[str, str]] = {"extra": "forbid"}
 
     def angle(self, t: np.ndarray) -> np.ndarray:
         """Return the reference angle [rad] at times ``t`` [s], element by element, t >= 0."""

@@ -22,6 +22,8 @@ class Load:
 
     kind: ClassVar[str]
     moves: ClassVar[bool] = False
+    # Read where a schema library validates these dataclasses: unknown names are refused there too.
+    __pydantic_config__: ClassVar[dict[str, str]] = {"extra": "forbid"}
 
     def force_gains(self, p: Mapping[str, float]) -> np.ndarray:
         """Return the rack force [N] per sideslip, curvature and rack displacement, shape (3,).
