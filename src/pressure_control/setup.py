@@ -17,7 +17,7 @@ setup(
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
-    description="Boost-curve reference and gain-scheduled pressure controller; its node runs once per valve.",
+    description="Boost-curve reference and the controller of each pressure control valve.",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [

@@ -17,7 +17,7 @@ setup(
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
-    description="Node sets, scenarios, launcher, recorder, direct runner, comparison and the command line.",
+    description="Node sets, scenarios, launcher, recorder, direct runner and command line.",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [

@@ -17,6 +17,6 @@ setup(
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
-    description="Compiled kernels, parameter sets, name checking and source specialisation. Imports no ROS.",
+    description="Compiled kernels, parameter sets and names. Imports no ROS.",
     license="Apache-2.0",
 )

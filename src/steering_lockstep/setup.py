@@ -17,6 +17,6 @@ setup(
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
-    description="The 1 kHz lock-step contract over ROS 2: byte layouts, topic table and the node base class.",
+    description="The 1 kHz lock-step contract over ROS 2: layouts, topics, node base class.",
     license="Apache-2.0",
 )

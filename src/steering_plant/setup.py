@@ -17,7 +17,7 @@ setup(
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
-    description="Mechanics and hydraulics of the steering gear with their effects; the plant node is the clock.",
+    description="Mechanics and hydraulics of the steering gear with effects; its node is the clock.",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [

@@ -31,7 +31,8 @@ def run(layout: Layout, python: Path, variables: Mapping[str, str], arguments: l
         say(f"running {shlex.join(['python', *command[1:]])}")
         status = subprocess.run(command, cwd=layout.root, env=environ, check=False).returncode
         if status != 0:
-            failed.append(f"{name} ({'no test ran' if _empty(name, status) else f'status {status}'})")
+            reason = "no test ran" if _empty(name, status) else f"status {status}"
+            failed.append(f"{name} ({reason})")
     say(f"FAILED: {', '.join(failed)}" if failed else "all checks passed")
     return 1 if failed else 0
 

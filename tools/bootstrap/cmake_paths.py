@@ -11,7 +11,11 @@ _HEADERS = re.compile(_BUILD_MACHINE + r"/include/python3\.\d+")
 _NUMPY = re.compile(
     _BUILD_MACHINE + r"/lib/python3\.\d+/site-packages/numpy/(?:_core|core)/include"
 )
-_ASK = "import sysconfig, numpy; print(sysconfig.get_paths()['include']); print(numpy.get_include())"
+_ASK = """
+import sysconfig, numpy
+print(sysconfig.get_paths()["include"])
+print(numpy.get_include())
+"""
 
 
 def includes_of(python: Path, environ: Mapping[str, str]) -> tuple[str, str]:

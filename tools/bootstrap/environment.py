@@ -39,17 +39,30 @@ def install(
     for part in (first, [name for name in names if name not in first]):
         wanted = layout.state / "tmp" / "wanted.txt"
         wanted.write_text("".join(pinned[name] for name in part))
-        command = [python_of(top), "-m", "pip", "install", "--require-hashes", "--no-deps"]
+        command: list[str | Path] = [
+            python_of(top),
+            "-m",
+            "pip",
+            "install",
+            "--require-hashes",
+            "--no-deps",
+        ]
         command += ["--no-build-isolation", "--no-compile", "--force-reinstall"]
         command += ["--progress-bar", "off", "--requirement", wanted]
         if part:
             runner.run(command, for_build(layout, top, os.environ), shown, layout.root)
-    compile_all = [python_of(top), "-m", "compileall", "-q", "-j", "0", site_packages(top)]
+    compile_all: list[str | Path] = [
+        python_of(top),
+        "-m",
+        "compileall",
+        "-q",
+        "-j",
+        "0",
+        site_packages(top),
+    ]
     # Some packages carry templates or tests that are no valid Python: no reason to stop.
-    runner.run(
-        ["sh", "-c", '"$@" || true', "sh", *compile_all],
-        for_build(layout, top, os.environ), shown, layout.root,
-    )  # fmt: skip
+    tolerant: list[str | Path] = ["sh", "-c", '"$@" || true', "sh", *compile_all]
+    runner.run(tolerant, for_build(layout, top, os.environ), shown, layout.root)
 
 
 def finish(layout: Layout, top: Path) -> None:

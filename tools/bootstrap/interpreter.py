@@ -1,8 +1,6 @@
 """Finds a Python that the bench runs on. Written so that an old Python can still read it."""
 
 import os
-import re
-import subprocess
 import sys
 from typing import Iterator, List, Mapping, Optional, Tuple
 
@@ -14,6 +12,8 @@ def ros_python(environ: Mapping[str, str]) -> Optional[Tuple[int, int]]:
     """Python version that a sourced ROS 2 Jazzy was built for; None where none is sourced."""
     if environ.get("ROS_DISTRO") != "jazzy":
         return None
+    import re  # here and below: a call that only passes on shall not wait for such modules
+
     for folder in environ.get("PYTHONPATH", "").split(os.pathsep):
         package = os.path.join(folder, "rclpy")
         if not os.path.isdir(package):
@@ -36,6 +36,8 @@ def candidates(versions: Tuple[Tuple[int, int], ...], path: str) -> Iterator[str
 
 def version_of(command: str) -> Optional[Tuple[int, int]]:
     """Version that the command really runs; None where it does not run (a shim without Python)."""
+    import subprocess
+
     try:
         answer = subprocess.run(
             [command, "-c", _PROBE], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=20
@@ -49,7 +51,7 @@ def version_of(command: str) -> Optional[Tuple[int, int]]:
 def wanted(environ: Mapping[str, str]) -> Tuple[Tuple[int, int], ...]:
     """Versions that serve here: those of the locks, or the one of a sourced ROS."""
     ros = ros_python(environ)
-    return (ros,) if ros in SUPPORTED else SUPPORTED  # type: ignore[return-value]
+    return (ros,) if ros is not None and ros in SUPPORTED else SUPPORTED
 
 
 def require(arguments: List[str]) -> None:

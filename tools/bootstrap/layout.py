@@ -2,8 +2,8 @@
 
 import os
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from bootstrap.interpreter import ros_python
 
@@ -11,8 +11,7 @@ GROUPS_OF_WHEELS = ("runtime", "dev", "ros")
 GROUPS_BESIDE_ROS = ("runtime", "dev")
 
 
-@dataclass(frozen=True)
-class Layout:
+class Layout(NamedTuple):
     """Folders of one project, and whether a sourced ROS is used instead of the wheels."""
 
     root: Path

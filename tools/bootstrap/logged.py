@@ -14,16 +14,19 @@ from bootstrap.progress import Step
 TAIL_LINES = 25
 # First match wins: a full disk also breaks downloads, and a missing network looks like a missing
 # package.
+_OFFLINE = (
+    r"NewConnectionError|NameResolutionError|Temporary failure in name resolution|"
+    r"Network is unreachable|ConnectTimeoutError|ProxyError|Max retries exceeded|"
+    r"Failed to establish a new connection|ReadTimeoutError|Could not fetch URL"
+)
 CAUSES = (
     (r"No space left on device|Errno 28", "the disk is full: make room and run this again"),
-    (r"DO NOT MATCH THE HASHES", "a download is not the locked file: wrong mirror or damaged cache"),
-    (r"CERTIFICATE_VERIFY_FAILED", "the package index's certificate is not trusted on this machine"),
     (
-        r"NewConnectionError|NameResolutionError|Temporary failure in name resolution|"
-        r"Network is unreachable|ConnectTimeoutError|ProxyError|Max retries exceeded|"
-        r"Failed to establish a new connection|ReadTimeoutError|Could not fetch URL",
-        "cannot reach the package index: check network and proxy, then run this again",
+        r"DO NOT MATCH THE HASHES",
+        "a download is not the locked file (wrong mirror or damaged cache)",
     ),
+    (r"CERTIFICATE_VERIFY_FAILED", "this machine does not trust the package index's certificate"),
+    (_OFFLINE, "cannot reach the package index: check network and proxy, then run this again"),
     (r"Killed|out of memory|Cannot allocate memory", "the machine ran out of memory"),
 )
 
@@ -43,9 +46,15 @@ class LoggedRunner:
         with self.log.open("a") as out:
             print("$", *command, file=out, flush=True)
             child = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, cwd=cwd,
-                env=dict(environ), pass_fds=(self.lock,), start_new_session=True,
-            )  # fmt: skip
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                cwd=cwd,
+                env=dict(environ),
+                pass_fds=(self.lock,),
+                start_new_session=True,
+            )
             status = _wait(child, shown)
         if status != 0:
             text = self.log.read_bytes()[begin:].decode(errors="replace")

@@ -5,7 +5,6 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
-from bootstrap import checks, setup_command
 from bootstrap.ensure import Ready, ensure
 from bootstrap.errors import SetupError
 from bootstrap.help_text import HELP
@@ -22,8 +21,10 @@ def main(root: Path, arguments: list[str]) -> int:
         print(f"steer: {error}", file=sys.stderr)
         return 1
     except PermissionError as error:
-        print(f"steer: no permission for {error.filename}; does it belong to another user?",
-              file=sys.stderr)  # fmt: skip
+        print(
+            f"steer: no permission for {error.filename}; does it belong to another user?",
+            file=sys.stderr,
+        )
         return 1
     except OSError as error:
         print(f"steer: {error.strerror or error}: {error.filename or ''}", file=sys.stderr)
@@ -40,12 +41,16 @@ def dispatch(layout: Layout, arguments: list[str]) -> int:
         print(HELP)
         return 0
     if command == "setup":
+        from bootstrap import setup_command
+
         return setup_command.run(layout, arguments[1:])
     if command == "test":
+        from bootstrap import checks
+
         ready = ensure(layout)
         variables = for_run(layout, ready.environment, ready.workspace, os.environ)
         return checks.run(layout, python_of(ready.environment), variables, arguments[1:])
-    hand_over(layout, ensure(layout, thorough=RETRIED in os.environ), arguments)
+    return hand_over(layout, ensure(layout, thorough=RETRIED in os.environ), arguments)
 
 
 def hand_over(layout: Layout, ready: Ready, arguments: list[str]) -> NoReturn:

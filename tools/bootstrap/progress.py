@@ -26,7 +26,8 @@ class Step:
     def finish(self, result: str) -> None:
         """End the line."""
         begin = "\r" if sys.stderr.isatty() else ""
-        print(f"{begin}  {self.title} ... {result} ({self._elapsed()})", file=sys.stderr, flush=True)
+        text = f"{begin}  {self.title} ... {result} ({self._elapsed()})"
+        print(text, file=sys.stderr, flush=True)
 
     def _elapsed(self) -> str:
         return f"{time.monotonic() - self.start:.0f} s"

@@ -58,6 +58,8 @@ def _compare(file: Path, digest: str, patched: Mapping[str, str]) -> str | None:
         return f"{file} is gone"
     algorithm, _, expected = digest.partition("=")
     if str(file) in patched:
-        return None if hashlib.sha256(content).hexdigest() == patched[str(file)] else f"{file} differs"
-    value = base64.urlsafe_b64encode(hashlib.new(algorithm, content).digest()).rstrip(b"=").decode()
-    return None if value == expected else f"{file} differs"
+        same = hashlib.sha256(content).hexdigest() == patched[str(file)]
+    else:
+        value = base64.urlsafe_b64encode(hashlib.new(algorithm, content).digest())
+        same = value.rstrip(b"=").decode() == expected
+    return None if same else f"{file} differs"

@@ -7,6 +7,7 @@ import os
 import sys
 from pathlib import Path
 
+# Set after a failed import: the next start compares every installed file.
 RETRIED = "_STEER_RETRIED"
 
 
@@ -19,7 +20,13 @@ def main() -> int:
             raise
         return check_and_retry(error)
     sys.argv[0] = "steer"
-    return command_line() or 0
+    try:
+        return command_line() or 0
+    except (ImportError, SyntaxError):
+        print(
+            "steer: ./steer setup --check tells whether the environment is whole", file=sys.stderr
+        )
+        raise
 
 
 def check_and_retry(error: BaseException) -> int:

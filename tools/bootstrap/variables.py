@@ -8,9 +8,17 @@ from bootstrap.layout import Layout, site_packages
 
 # What a person's shell or another ROS may set and what would mix foreign code into ours.
 _FOREIGN = (
-    "PYTHONHOME", "PYTHONPATH", "AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH",
-    "LD_LIBRARY_PATH", "ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION", "RMW_IMPLEMENTATION",
-)  # fmt: skip
+    "PYTHONHOME",
+    "PYTHONPATH",
+    "AMENT_PREFIX_PATH",
+    "CMAKE_PREFIX_PATH",
+    "COLCON_PREFIX_PATH",
+    "LD_LIBRARY_PATH",
+    "ROS_DISTRO",
+    "ROS_VERSION",
+    "ROS_PYTHON_VERSION",
+    "RMW_IMPLEMENTATION",
+)
 
 
 def _joined(first: Iterable[Path | str], *later: str) -> str:

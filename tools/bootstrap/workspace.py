@@ -10,7 +10,11 @@ from bootstrap.progress import step
 from bootstrap.removal import remove
 from bootstrap.variables import for_build, for_run
 
-_PROVE = "import rclpy, steering_msgs.msg as m; m.SteeringTorque.__class__.__import_type_support__()"
+_PROVE = """
+import rclpy
+from steering_msgs.msg import SteeringTorque
+type(SteeringTorque).__import_type_support__()
+"""
 
 
 def build(layout: Layout, environment: Path, top: Path, runner: LoggedRunner) -> None:

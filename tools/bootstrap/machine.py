@@ -44,7 +44,8 @@ def _platform() -> None:
     name, version = platform.libc_ver()
     found = tuple(int(part) for part in re.findall(r"\d+", version)[:2])
     if name != "glibc" or found < LEAST_GLIBC:
-        raise SetupError(f"the ROS 2 wheels need glibc 2.28 or newer, found {name or 'none'} {version}")
+        text = f"{name or 'another C library'} {version}"
+        raise SetupError(f"the ROS 2 wheels need glibc 2.28 or newer, found {text}")
 
 
 def missing_packages(layout: Layout) -> dict[str, str]:
