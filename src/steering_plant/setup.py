@@ -17,7 +17,7 @@ setup(
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
-    description="Mechanics and hydraulics of the steering gear with effects; its node is the clock.",
+    description="Mechanics, hydraulics and effects of the steering gear; the node is the clock.",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [

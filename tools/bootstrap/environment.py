@@ -61,7 +61,7 @@ def install(
         site_packages(top),
     ]
     # Some packages carry templates or tests that are no valid Python: no reason to stop.
-    tolerant: list[str | Path] = ["sh", "-c", '"$@" || true', "sh", *compile_all]
+    tolerant = ["sh", "-c", '"$@" || true', "sh", *compile_all, str(site_packages(top))]
     runner.run(tolerant, for_build(layout, top, os.environ), shown, layout.root)
 
 

@@ -23,9 +23,7 @@ def main() -> int:
     try:
         return command_line() or 0
     except (ImportError, SyntaxError):
-        print(
-            "steer: ./steer setup --check tells whether the environment is whole", file=sys.stderr
-        )
+        print("steer: is the environment whole? ./steer setup --check", file=sys.stderr)
         raise
 
 
