@@ -1,0 +1,133 @@
+"""The command line: ``steer COMMAND``. One command a file; only the chosen one is imported."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+import traceback
+from collections.abc import Iterable, Sequence
+from importlib import import_module
+from typing import Any
+
+COMMANDS = {
+    "run": "run a scenario through the ROS graph (or --direct), record and compare",
+    "compare": "compare two bags on one HTML page",
+    "list": "list scenarios, node sets, manoeuvres, loads, effects and parameters",
+    "repeat": "repeat the run that a bag records and check that it is the same, bit for bit",
+    "recover": "make a bag readable that a crash cut off",
+    "schema": "write the JSON Schema of scenarios and node sets for an editor",
+    "bench": "measure speed and accuracy against the targets",
+}
+"""Commands with their one line of help; the module of the same name implements each."""
+
+FAILED, USAGE, INTERRUPTED = 1, 2, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status: 0 only on success."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    parser = _parser(arguments)
+    options, unknown = parser.parse_known_args(arguments)
+    if unknown:
+        parser.refuse(unknown[0], options)
+    if options.command is None:
+        parser.print_help()
+        return USAGE
+    try:
+        return int(options.implementation.execute(options) or 0)
+    except KeyboardInterrupt:
+        print("steer: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader of a pipe (head, less) has had enough; nothing is left to be written to it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        if options.debug:
+            traceback.print_exc()
+        print(f"steer {options.command}: {_one_line(error)}", file=sys.stderr)
+        return FAILED
+
+
+def _parser(arguments: Sequence[str]) -> _Parser:
+    parser = _Parser(
+        prog="steer",
+        description="Test bench for hydraulic power steering on ROS 2.",
+        epilog="'steer COMMAND --help' explains a command. Start with: steer run",
+    )
+    common = _Parser(add_help=False)
+    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    parser.set_defaults(command=None, debug=False)
+    commands = parser.add_subparsers(metavar="COMMAND", dest="command", parser_class=_Parser)
+    chosen = next((word for word in arguments if not word.startswith("-")), None)
+    for name, text in COMMANDS.items():
+        implementation = _import(name) if name == chosen else None
+        command = commands.add_parser(
+            name,
+            help=text,
+            description=text[:1].upper() + text[1:] + ".",
+            epilog=getattr(implementation, "EXAMPLES", None),
+            parents=[common],
+            allow_abbrev=False,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        if implementation is not None:
+            implementation.arguments(command)
+            command.set_defaults(implementation=implementation, parser=command)
+    return parser
+
+
+def _import(command: str) -> Any:
+    module = {"list": "listing"}.get(command, command)
+    return import_module(f"steering_bringup.cli.{module}")
+
+
+class _Parser(argparse.ArgumentParser):
+    """argparse with errors of one line that suggest the nearest command or option."""
+
+    def error(self, message: str) -> Any:
+        """Print one line and exit with status 2."""
+        choice = re.match(r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message)
+        if choice:
+            what, word, known = choice.groups()
+            names = [name.strip(" '") for name in known.split(",")]
+            hint = _hint(word, names) or f"; choose from {', '.join(names)}"
+            message = f"unknown {what.lower()} '{word}'{hint}"
+        self.exit(USAGE, f"{self.prog}: {message}; see '{self.prog} --help'\n")
+
+    def refuse(self, word: str, options: argparse.Namespace) -> None:
+        """Exit with an error about an argument that the chosen command does not have."""
+        command = getattr(options, "parser", self)
+        known = [name for action in command._actions for name in action.option_strings]
+        what = "option" if word.startswith("-") else "argument"
+        command.error(f"unknown {what} '{word}'{_hint(word.split('=')[0], known)}")
+
+
+def _hint(word: str, known: Iterable[str]) -> str:
+    from difflib import get_close_matches
+
+    near = get_close_matches(word, list(known), n=1)
+    return f"; did you mean '{near[0]}'?" if near else ""
+
+
+def _one_line(error: Exception) -> str:
+    """Return an error's text on one line; an unforeseen one tells how to see more."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    if type(error).__module__.partition(".")[0] in OWN_PACKAGES:
+        return text
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"'{error.filename}': {error.strerror}"
+    return f"{type(error).__name__}: {text} (--debug shows where)"
+
+
+OWN_PACKAGES = (
+    "steering_bringup",
+    "steering_core",
+    "steering_lockstep",
+    "steering_plant",
+    "pressure_control",
+    "driver_model",
+    "vehicle_model",
+)

@@ -1,0 +1,126 @@
+"""The one schema of scenarios and node sets: what their YAML files may say.
+
+``steer schema`` writes it as JSON Schema, so that an editor checks the files while they are typed.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
+
+from driver_model.manoeuvres import MANOEUVRES, make_manoeuvre
+from steering_bringup.choices import Choice, choice_of
+from steering_bringup.named_values import EffectValues, ParameterValues
+from steering_bringup.strict import Number, Strict
+from steering_core.parameters import ParameterSet, load_parameters
+from vehicle_model.loads import LOADS, make_load
+
+LONGEST_RUN_S = 86_400.0
+
+if TYPE_CHECKING:
+    ManoeuvreChoice = Choice
+    LoadChoice = Choice
+else:
+    ManoeuvreChoice = choice_of("manoeuvre", MANOEUVRES, make_manoeuvre)
+    LoadChoice = choice_of("load", LOADS, make_load)
+
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+Ticks = Annotated[int, Field(strict=True, ge=0, le=1000)]
+Period = Annotated[int, Field(strict=True, ge=1, le=1000)]
+
+
+def _as_list(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
+def _beside(name: str, info: ValidationInfo) -> str:
+    """Return a file's path as seen from the scenario's folder; a plain name stays one."""
+    is_file = Path(name).suffix != ""
+    return str(Path((info.context or {}).get("folder", "."), name)) if is_file else name
+
+
+class Scenario(Strict):
+    """What is driven, on what, for how long, and with which parameters."""
+
+    schema_version: Literal[1] = Field(1, alias="schema", description="version of this schema")
+    name: Name
+    description: str = Field("", description="one sentence for `steer list`")
+    node_set: Annotated[tuple[str, ...], BeforeValidator(_as_list), Field(min_length=1)] = Field(
+        ("closed_centre",),
+        description="node set by name or file; several are run one after the other and compared",
+    )
+    duration: Number = Field(20.0, gt=0.0, le=LONGEST_RUN_S, description="s, simulated")
+    manoeuvre: ManoeuvreChoice = Field(description="what the driver does")
+    load: LoadChoice = Field(
+        {"kind": "bicycle"}, validate_default=True, description="what the road puts on the rack"
+    )
+    parameter_set: str = Field("nominal", description="parameter set by name or YAML file")
+    parameters: ParameterValues = Field({}, description="values that differ from the set, SI")
+    boost_curve: str | None = Field(
+        None, description="CSV file of a measured boost curve in place of the formula"
+    )
+    effects: EffectValues = Field({}, description="effects that are on, with their parameters")
+    delays: dict[str, Ticks] = Field(
+        {}, description="extra ticks on a connection, written TOPIC->NODE"
+    )
+    record: bool = Field(True, description="record a bag")
+    truth: bool = Field(True, description="publish and record the plant's true states")
+
+    @field_validator("duration")
+    @classmethod
+    def _whole_ticks(cls, duration: float) -> float:
+        if abs(round(duration * 1000.0) - duration * 1000.0) > 1e-6 or duration < 0.0005:
+            raise ValueError(f"must be a whole number of milliseconds, got {duration * 1e3:g} ms")
+        return round(duration * 1000.0) / 1000.0
+
+    @field_validator("parameter_set")
+    @classmethod
+    def _known_set(cls, name: str, info: ValidationInfo) -> str:
+        path = _beside(name, info)
+        load_parameters(path)
+        return path
+
+    @field_validator("boost_curve")
+    @classmethod
+    def _found_curve(cls, name: str | None, info: ValidationInfo) -> str | None:
+        path = None if name is None else _beside(name, info)
+        if path is not None and not Path(path).is_file():
+            raise ValueError(f"there is no file '{path}'")
+        return path
+
+    @property
+    def ticks(self) -> int:
+        """Number of 1 ms ticks."""
+        return round(self.duration * 1000.0)
+
+    def parameter_values(self) -> ParameterSet:
+        """Return the parameter set with the scenario's values applied."""
+        return load_parameters(self.parameter_set).with_values(self.parameters)
+
+
+class NodeEntry(Strict):
+    """One node of a node set."""
+
+    kind: str = Field(description="kind of node, or MODULE:FUNCTION of one's own")
+    inputs: dict[str, Ticks] = Field(
+        {}, description="topic: delay in ticks, in the order in which the node takes them"
+    )
+    outputs: tuple[str, ...] = Field((), description="topics that it publishes")
+    truth: tuple[str, ...] = Field((), description="topics that it publishes when truth is wanted")
+    period: Period = Field(1, description="ticks from one of its steps to the next")
+    parameters: dict[str, bool | int | float | str] = Field(
+        {}, description="ROS parameters of its own beside the scenario's"
+    )
+
+
+class NodeSet(Strict):
+    """Which nodes run and how they are connected."""
+
+    schema_version: Literal[1] = Field(1, alias="schema", description="version of this schema")
+    name: Name
+    description: str = Field("", description="one sentence for `steer list`")
+    valve_system: Literal["open_centre", "closed_centre"]
+    processes: Literal["one", "each"] = Field("one", description="all in one process, or one each")
+    nodes: dict[Name, NodeEntry]
