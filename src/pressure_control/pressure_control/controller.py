@@ -1,0 +1,167 @@
+"""The chamber pressure controller: reference, compensator, feed-forward and limits.
+
+One object a chamber. It works as the right chamber's controller throughout; ``side`` = -1 turns
+the signs of what it measures, so left and right are each other's exact mirror image.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pressure_control.compensator import compensator_gains, desired_resonance
+from pressure_control.limits import bounded
+from pressure_control.record import Side, controller_record
+from pressure_control.reference import (
+    SPEED_LIMIT,
+    compensation_speed,
+    mirrored,
+    reference_pressures,
+)
+from pressure_control.schedule import flow_feed_forward, scheduled_poles
+from pressure_control.stability import check_sampled_stability
+from steering_core.compiled import kernel
+from steering_core.parameters import ParameterSet
+from steering_plant.boost_curve import FORMULA
+from steering_plant.rest import rest_solenoid_force
+
+INTEGRAL, FILTERED, SLIP = range(3)
+"""States: integrator [Pa], low-passed control error [Pa], low-passed speed difference [m/s]."""
+
+
+@kernel
+def controller_step(
+    par: np.ndarray,
+    table: np.ndarray,
+    state: np.ndarray,
+    out: np.ndarray,
+    tick: int,
+    angle: float,
+    speed: float,
+    torque: float,
+    left: float,
+    right: float,
+    supply: float,
+    rack_x: float,
+    rack_v: float,
+    rack_force: float,
+) -> None:
+    """Advance one tick: out = [reference pressure Pa, solenoid force N].
+
+    Inputs as measured at this tick. Finite inputs give finite outputs within the limits.
+    """
+    p = par[0]
+    highest = bounded(supply, 2.0 * p.atmospheric_pressure, 2.0 * p.supply_pressure)
+    pressure = bounded(right if p.side > 0.0 else left, 0.0, highest)
+    wheel_v = bounded(p.side * speed / p.gear_ratio, -SPEED_LIMIT, SPEED_LIMIT)
+    rack_v = bounded(p.side * rack_v, -SPEED_LIMIT, SPEED_LIMIT)
+
+    load_v, state[SLIP] = compensation_speed(p, state[SLIP], wheel_v, rack_v)
+    reference, load_pressure = reference_pressures(
+        p, table, p.side * torque, p.piston_area * load_v, highest
+    )
+    # What the valve's gains are computed for keeps clear of the ends, where one edge has none.
+    working = bounded(pressure, p.atmospheric_pressure, highest - p.atmospheric_pressure)
+    flow = p.piston_area * wheel_v
+    w_0, d_0, _ = scheduled_poles(p, working, highest, flow, p.side * rack_x)
+    w_k = desired_resonance(p, load_pressure)
+    direct, filtered, integral_weight, error_weight = compensator_gains(w_k, p.damping, w_0, d_0)
+
+    error = reference - pressure
+    state[FILTERED] += error_weight * (error - state[FILTERED])
+    rest = direct * error + filtered * state[FILTERED]
+    rest += flow_feed_forward(p, working, highest, flow)
+    out[0] = reference
+    out[1] = limited_force(p, state, integral_weight * error, rest)
+
+
+@kernel
+def limited_force(p: Any, state: np.ndarray, increment: float, rest: float) -> float:
+    """Integrate by ``increment`` [Pa] and return the force (5.1) F = e A_c + f_0 [N].
+
+    rest [Pa]: the demand without the integrator. The force stays within what a solenoid can push;
+    the integrator stands still while the force is at a limit and the error would drive it on.
+    """
+    lowest = -p.spring_preload / p.pressure_area
+    highest = (p.maximum_solenoid_force - p.spring_preload) / p.pressure_area
+    integral = bounded(state[INTEGRAL] + increment, lowest, highest)
+    too_high = increment > 0.0 and integral + rest > highest
+    too_low = increment < 0.0 and integral + rest < lowest
+    if not (too_high or too_low):
+        state[INTEGRAL] = integral
+    demand = bounded(state[INTEGRAL] + rest, lowest, highest)
+    return bounded(demand * p.pressure_area + p.spring_preload, 0.0, p.maximum_solenoid_force)
+
+
+class ValveController:
+    """Pressure controller of one chamber with its parameters and states.
+
+    side: "left" or "right". boost_table: a measured boost curve (boost_curve.boost_table) in
+    place of the formula. At first ``out`` holds the gear's rest: no torque, no load, the static
+    map's pressure. Raises ControllerError where the sampled loop would be unstable.
+    """
+
+    def __init__(
+        self, parameters: ParameterSet, side: Side, boost_table: np.ndarray | None = None
+    ) -> None:
+        if side not in ("left", "right"):
+            raise ValueError(f"the side of a valve controller is 'left' or 'right', not '{side}'")
+        table = FORMULA if boost_table is None else boost_table
+        check_sampled_stability(parameters, table)
+        self.par = controller_record(parameters, side, table)
+        self.table = table if side == "right" else mirrored(table)
+        self.state = np.zeros(3)
+        self.out = np.array(rest_output(self.par, self.table))
+        p = self.par[0]
+        self.state[INTEGRAL] = (self.out[1] - p["spring_preload"]) / p["pressure_area"]
+
+    def step(
+        self,
+        tick: int,
+        angle: float,
+        speed: float,
+        torque: float,
+        left: float,
+        right: float,
+        supply: float,
+        rack_x: float,
+        rack_v: float,
+        rack_force: float,
+    ) -> np.ndarray:
+        """Return ``out`` = [reference pressure Pa, solenoid force N] for one tick's measurement.
+
+        Units and signs of the inputs: SteeringTorque, ChamberPressure and RackState.
+        """
+        controller_step(
+            self.par,
+            self.table,
+            self.state,
+            self.out,
+            tick,
+            angle,
+            speed,
+            torque,
+            left,
+            right,
+            supply,
+            rack_x,
+            rack_v,
+            rack_force,
+        )
+        return self.out
+
+
+CONTROLLERS = {"pressure_control_valve": ValveController}
+"""Controllers by kind, each called as ``kind(parameters, side, boost_table)``. Register here."""
+
+
+def rest_output(par: np.ndarray, table: np.ndarray) -> tuple[float, float]:
+    """Return (reference pressure [Pa], solenoid force [N]) at rest: no torque, no flow.
+
+    The force holds the pressure against the spool's spring and flow forces, so that a plant that
+    starts in its equilibrium stays there.
+    """
+    p = par[0]
+    pressure, _ = reference_pressures(p, table, 0.0, 0.0, float(p["supply_pressure"]))
+    return float(pressure), rest_solenoid_force(p, float(pressure))

@@ -1,0 +1,91 @@
+"""The controller's picture of the valve at the present pressure and flow (source, section 6.2)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from pressure_control.limits import bounded
+from pressure_control.linear_valve import (
+    closed_loop_poles,
+    edge_areas,
+    edge_gains,
+    valve_record,
+)
+from steering_core.compiled import kernel
+from steering_core.parameters import ParameterSet
+from steering_plant.control_valve import HOLES
+from steering_plant.orifice import orifice_flow
+
+
+@kernel
+def scheduled_poles(
+    p: Any, pressure: float, supply: float, flow: float, rack_position: float
+) -> tuple[float, float, float]:
+    """Return the valve's (w_0 [rad/s], d_0, K_s) for which the controller is set.
+
+    pressure, supply [Pa]: measured. flow [m3/s]: estimated flow out of the valve; within
+    schedule_flow_blend of zero the supply edge at the nominal displacement goes over to the tank
+    edge at the opposite one. rack_position [m]: changes the chamber's volume.
+    """
+    share = bounded(0.5 + 0.5 * flow / p.schedule_flow_blend, 0.0, 1.0)
+    gains = edge_gains(
+        p,
+        share * p.wide_area + (1.0 - share) * p.narrow_area,
+        share * p.wide_gradient + (1.0 - share) * p.narrow_gradient,
+        share * p.narrow_area + (1.0 - share) * p.wide_area,
+        share * p.narrow_gradient + (1.0 - share) * p.wide_gradient,
+        pressure,
+        supply,
+    )
+    stroke = bounded(rack_position, -p.rack_stop_position, p.rack_stop_position)
+    volume = max(p.chamber_volume + p.piston_area * stroke, 0.1 * p.chamber_volume)
+    return closed_loop_poles(p, gains[0], gains[1], gains[2], volume)
+
+
+@kernel
+def flow_feed_forward(p: Any, pressure: float, supply: float, flow: float) -> float:
+    """Return the reference [Pa] that opens the valve for ``flow`` [m3/s] at constant pressure.
+
+    The static force balance of the spool, A_c e = K x + flow force. For small flows around an
+    operating point its slope is K_e/(A_c K_q), as in (6.9); the holes being round, the product of
+    that slope and the whole flow would fall short of the displacement by a third.
+    """
+    size = abs(flow)
+    drop = supply - pressure if flow >= 0.0 else pressure
+    area = size / orifice_flow(p.orifice_constant, drop, p.laminar_transition_pressure)
+    area = min(area, p.largest_area)
+    displacement = max(uncovered_depth(p, area) - p.underlap, 0.0)
+    if p.underlap < 0.0:
+        # the closed zone is crossed within the blend rather than in one leap
+        displacement += p.underlap * max(1.0 - size / p.schedule_flow_blend, 0.0)
+    force = p.spring_stiffness * displacement + p.jet_factor * area * drop
+    return math.copysign(force, flow) / p.pressure_area
+
+
+@kernel
+def uncovered_depth(p: Any, area: float) -> float:
+    """Return how far [m] the round holes must be uncovered for an area [m2].
+
+    Two terms of the inverse series, within 1.5 % up to a third of the diameter.
+    """
+    depth = (area / p.depth_constant) ** (2.0 / 3.0)
+    return depth * (1.0 + 0.2 * depth / p.hole_diameter)
+
+
+def schedule_fields(parameters: ParameterSet) -> dict[str, float]:
+    """Return the constants that the kernels need beside those of the valve.
+
+    Areas [m2] and gradients [m] of the edge that opens (wide) and of the other (narrow) at the
+    nominal displacement; depth_constant [sqrt(m)]: area = constant depth^1.5 for small depths.
+    """
+    p = valve_record(parameters)[0]
+    nominal = parameters["valve_controller.nominal_spool_displacement"]
+    names = ("wide_area", "wide_gradient", "narrow_area", "narrow_gradient")
+    diameter = parameters["pressure_control_valve.hole_diameter"]
+    return dict(zip(names, edge_areas(p, nominal), strict=True)) | {
+        "depth_constant": HOLES * 4.0 / 3.0 * math.sqrt(diameter),
+        "largest_area": HOLES * np.pi / 8.0 * diameter**2,
+    }
