@@ -1,0 +1,175 @@
+"""The comparison as one HTML page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from steering_bringup.comparison.figures import figures
+from steering_bringup.comparison.metadata import flatten
+from steering_bringup.comparison.result import Comparison
+from steering_bringup.comparison.signals import BY_KEY, SIGNALS
+from steering_bringup.comparison.verdict import limit, shown, verdict
+from steering_bringup.pages import Card, Page, cards, folded, paragraph, table
+
+
+def write_page(result: Comparison, path: str | Path) -> Path:
+    """Write the page; BenchError naming the path if that fails."""
+    return comparison_page(result).write(path)
+
+
+def comparison_page(result: Comparison) -> Page:
+    """The page: verdict and key numbers, the figures, the metadata."""
+    judged = verdict(result)
+    first, second = result.names
+    page = Page(
+        title=f"{_start(first)} and {second} compared",
+        subtitle=_subtitle(result),
+        lead=judged.sentence,
+        good=judged.good,
+        footer=_footer(result),
+    )
+    page.add(cards(_cards(result)))
+    for note in result.notes:
+        page.add(paragraph(note, "note"))
+    page.add(table(_head(result), _rows(result)))
+    page.heading(
+        "Figures",
+        f"Differences are {second} minus {first}, tick by tick; nothing is filtered or resampled. "
+        "Drag to zoom, double-click to go back, click a name to hide its curve.",
+    )
+    for figure in figures(result):
+        page.add(figure)
+    page.heading("How the runs were made")
+    page.add(_changed(result))
+    for name, trace in zip(result.names, result.traces, strict=True):
+        rows = [(key, _text(value)) for key, value in flatten(trace.run).items()]
+        title = f"Everything recorded about {name} ({trace.name})"
+        page.add(folded(title, table(("what", "value"), rows, left_columns=2)))
+    return page
+
+
+def _start(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _subtitle(result: Comparison) -> str:
+    scenario = result.traces[0].run.get("scenario")
+    name = str(scenario.get("name", "")) if isinstance(scenario, dict) else ""
+    parts = [name.replace("_", "-")] if name else []
+    bags = " and ".join(trace.name for trace in result.traces)
+    return " · ".join(
+        [*parts, f"{result.duration:.1f} s at 1 kHz, {len(result.time)} ticks", f"bags {bags}"]
+    )
+
+
+def _footer(result: Comparison) -> str:
+    software = result.traces[0].run.get("software")
+    revision = software.get("revision", "") if isinstance(software, dict) else ""
+    started = result.traces[0].run.get("started", "")
+    made = f"Recorded {started}" if started else "Recorded at an unknown time"
+    return f"{made}{f', software {revision}' if revision else ''}. This page needs no network."
+
+
+def _cards(result: Comparison) -> list[Card]:
+    made = [_difference_card(result, "assistance_pressure", "Assistance pressure difference")]
+    made.append(_difference_card(result, "steering_wheel_torque", "Steering wheel torque difference"))
+    found = [card for card in made if card is not None]
+    powers = [e.mean_power for e in result.energies]
+    for name, power, other in zip(result.names, powers, reversed(powers), strict=True):
+        if power is not None:
+            found.append(
+                Card(
+                    f"Hydraulic power, {name}",
+                    f"{power:.0f}",
+                    "W",
+                    _relative(power, other, "the other"),
+                )
+            )
+    return found
+
+
+def _relative(value: float, other: float | None, name: str) -> str:
+    if not other:
+        return "mean"
+    share = value / other - 1.0
+    return f"mean; {abs(share):.0%} {'more' if share > 0 else 'less'} than {name}"
+
+
+def _difference_card(result: Comparison, key: str, title: str) -> Card | None:
+    if key not in result.differences:
+        return None
+    signal, item, bound = BY_KEY[key], result.differences[key], limit(result, key)
+    remark, good = f"largest, at {item.at:.2f} s", None
+    if bound is not None:
+        good = item.largest <= bound
+        words = "within" if good else "above"
+        remark = f"{words} the limit of {bound * signal.scale:g} {signal.shown_unit}"
+    return Card(title, shown(key, item.largest), signal.shown_unit, remark, good)
+
+
+def _head(result: Comparison) -> tuple[str, ...]:
+    first, second = result.names
+    return (
+        "Signal",
+        "Unit",
+        f"Peak, {first}",
+        f"Peak, {second}",
+        "Largest difference",
+        "at [s]",
+        "Rms difference",
+        "Limit",
+    )
+
+
+def _rows(result: Comparison) -> list[tuple[str, ...]]:
+    rows = []
+    for signal in SIGNALS:
+        item = result.differences.get(signal.key)
+        if item is None:
+            continue
+        bound = limit(result, signal.key)
+        values = (*item.peaks, item.largest)
+        a, b, largest = (shown(signal.key, value) for value in values)
+        rows.append(
+            (
+                signal.title,
+                signal.shown_unit,
+                a,
+                b,
+                largest,
+                f"{item.at:.3f}",
+                shown(signal.key, item.rms),
+                "" if bound is None else f"{bound * signal.scale:g}",
+            )
+        )
+    rows += _energy_rows(result)
+    return rows
+
+
+def _energy_rows(result: Comparison) -> list[tuple[str, ...]]:
+    def row(title: str, unit: str, pair: list[float | None], digits: int) -> tuple[str, ...]:
+        texts = ["not known" if v is None else f"{v:.{digits}f}" for v in pair]
+        a, b = pair
+        error = "" if a is None or b is None else f"{b - a:+.{digits}f}"
+        return (title, unit, *texts, error, "", "", "")
+
+    energies = result.energies
+    supplies = [None if e.supply is None else e.supply * 1e-3 for e in energies]
+    return [
+        row("Mean hydraulic power", "W", [e.mean_power for e in energies], 1),
+        row("Hydraulic energy", "kJ", supplies, 3),
+        row("Driver's work", "J", [e.driver_work for e in energies], 2),
+    ]
+
+
+def _changed(result: Comparison) -> str:
+    if not result.changed:
+        return paragraph("Both runs were made with the same parameters, node set and software.")
+    rows = [(name, _text(a), _text(b)) for name, a, b in result.changed]
+    head = ("differs", *result.names)
+    return folded(f"What differs between the runs ({len(rows)})", table(head, rows, 3))
+
+
+def _text(value: Any) -> str:
+    return "-" if value is None else str(value)

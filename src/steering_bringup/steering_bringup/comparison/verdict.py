@@ -1,0 +1,92 @@
+"""The comparison in one sentence, and how its key numbers stand against the source's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from steering_bringup.bags import Trace
+from steering_bringup.comparison.result import Comparison
+from steering_bringup.comparison.signals import BY_KEY
+
+LIMITS = {"assistance_pressure": 1.0e5, "steering_wheel_torque": 0.1}
+"""Largest differences of a closed-centre from an open-centre system on-centre, SI (figs 8.2, 8.4)."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """`good` is None where there is no limit to judge by."""
+
+    sentence: str
+    good: bool | None
+
+
+def limit(result: Comparison, key: str) -> float | None:
+    """The limit of a signal's difference, SI; None if the pair is not the one it was set for."""
+    if set(result.systems) != {"open-centre", "closed-centre"} or not _on_centre(result):
+        return None
+    return LIMITS.get(key)
+
+
+def verdict(result: Comparison) -> Verdict:
+    """One sentence a person can repeat, with the judgement behind it."""
+    first, second = result.names
+    if result.identical:
+        return Verdict(f"{first} and {second} are the same run, bit for bit.", True)
+    parts, within = [], []
+    for key in ("assistance_pressure", "steering_wheel_torque"):
+        if key not in result.differences:
+            continue
+        text, good = _part(result, key)
+        parts.append(text)
+        within.append(good)
+    judged = [good for good in within if good is not None]
+    sentence = f"{_opening(result, all(judged) if judged else None)}: {' and '.join(parts)}"
+    return Verdict(sentence + _growth_text(result) + ".", all(judged) if judged else None)
+
+
+def _opening(result: Comparison, good: bool | None) -> str:
+    first, second = result.names
+    if good is None:
+        return f"{second} against {first}"
+    if good:
+        return f"The {second} system steers like the {first} one"
+    return f"The {second} system comes close to the {first} one, but not within its limits"
+
+
+def _part(result: Comparison, key: str) -> tuple[str, bool | None]:
+    signal, bound = BY_KEY[key], limit(result, key)
+    value = result.differences[key].largest
+    text = f"{signal.title.lower()} within {shown(key, value)} {signal.shown_unit}"
+    if bound is None:
+        return text, None
+    return f"{text} (limit {bound * signal.scale:g})", value <= bound
+
+
+def _growth_text(result: Comparison) -> str:
+    item = result.growths.get("steering_wheel_torque")
+    if item is None:
+        return ""
+    if item.with_frequency_only:
+        return "; the torque difference grows with frequency only"
+    return "; the torque difference does not come from frequency alone"
+
+
+def shown(key: str, value: float) -> str:
+    """A value in the unit and with the digits of its signal."""
+    signal = BY_KEY[key]
+    return f"{value * signal.scale:.{signal.digits}f}"
+
+
+def _on_centre(result: Comparison) -> bool:
+    """Whether both runs say that they are on-centre sweeps on the road, or do not say."""
+    return all(
+        _kind(trace, "manoeuvre") in ("", "on_centre") and _kind(trace, "load") in ("", "bicycle")
+        for trace in result.traces
+    )
+
+
+def _kind(trace: Trace, part: str) -> str:
+    """`kind` of a part of the scenario that a run was made with; empty if it does not say."""
+    scenario = trace.run.get("scenario")
+    found = scenario.get(part) if isinstance(scenario, dict) else None
+    return str(found.get("kind", "")) if isinstance(found, dict) else ""
