@@ -95,8 +95,8 @@ def measure(sensors, seed, history, tick, true, out):
     sensors: table of shape (9, 5). history: shape (64, 9), ring of true values by tick; before
     the first tick the first values hold.
     """
-    history[tick % LONGEST_DELAY] = true
     for i in range(out.shape[0]):
+        history[tick % LONGEST_DELAY, i] = true[i]
         past = max(tick - int(sensors[i, DELAY]), 0)
         value = sensors[i, GAIN] * history[past % LONGEST_DELAY, i] + sensors[i, OFFSET]
         if sensors[i, NOISE] > 0.0:

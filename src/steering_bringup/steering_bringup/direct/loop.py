@@ -36,15 +36,8 @@ MOTION_PERIOD = 10
 
 
 @kernel
-def delayed(trace, rest, tick, delay):
-    """Return the row of ``trace`` that belongs to ``tick`` - ``delay``, or ``rest`` before it."""
-    row = tick - delay
-    return trace[row] if row >= 0 else rest
-
-
-@kernel
-def control(core, torque, pressure, rack, tick, trace):
-    """Run one valve controller on rows of the measurement and keep its output."""
+def control(core, measured, torque, pressure, rack, tick, trace, row):
+    """Run one valve controller on rows of the measurement and keep its output in ``row``."""
     par, table, state, out = core
     controller_step(
         par,
@@ -52,75 +45,96 @@ def control(core, torque, pressure, rack, tick, trace):
         state,
         out,
         tick,
-        torque[0],
-        torque[1],
-        torque[2],
-        pressure[3],
-        pressure[4],
-        pressure[5],
-        rack[6],
-        rack[7],
-        rack[8],
+        measured[torque, 0],
+        measured[torque, 1],
+        measured[torque, 2],
+        measured[pressure, 3],
+        measured[pressure, 4],
+        measured[pressure, 5],
+        measured[rack, 6],
+        measured[rack, 7],
+        measured[rack, 8],
     )
-    trace[tick] = out
+    keep(out, trace, row)
 
 
 @kernel
-def run_ticks(start, stop, last, plant, left, right, driver, vehicle, delays, rest, traces):
+def keep(out, trace, row):
+    """Copy ``out`` to a row of ``trace``."""
+    for i in range(out.shape[0]):
+        trace[row, i] = out[i]
+
+
+@kernel
+def run_ticks(start, stop, last, plant, left, right, driver, vehicle, delays, before, traces):
     """Run ticks ``start`` to ``stop`` - 1 and fill the traces; return (status, tick reached).
 
     last: number of ticks of the whole run; after its last tick the plant does not move on.
-    plant, left, right, driver, vehicle: the cores' arrays. delays: int64, shape (12,). rest: rows
-    that stand before the first tick. traces: see the positions above; TRUTH may have no rows.
+    plant, left, right, driver, vehicle: the cores' arrays. delays: int64, shape (12,). before:
+    rows of each delayed trace that stand before tick 0 and hold what was there at rest; at least
+    the longest delay. traces: see the positions above; TRUTH may have no rows.
     """
-    measured, load = traces[MEASURED], traces[LOAD]
+    measured, commanded, load = traces[MEASURED], traces[DRIVER], traces[LOAD]
+    left_trace, right_trace = traces[LEFT_VALVE], traces[RIGHT_VALVE]
+    truth, motion = traces[TRUTH], traces[MOTION]
     par, table, e, y, u = plant[0], plant[1], plant[3], plant[5], plant[7]
     work, flows, out = plant[8], plant[9], plant[12]
     closed = par[0].closed_centre > 0.0
     driver_par, reference, hands_on, driver_state, driver_out = driver
     vehicle_par, external, vehicle_state, vehicle_out = vehicle
     for tick in range(start, stop):
-        measured[tick] = out
-        if traces[TRUTH].shape[0] > 0:
-            report_truth(par, table, e, tick, y, u, work, flows, traces[TRUTH][tick])
+        row = tick + before
+        keep(out, measured, row)
+        if truth.shape[0] > 0:
+            report_truth(par, table, e, tick, y, u, work, flows, truth[tick])
 
-        at = delayed(measured, rest[MEASURED], tick, delays[DRIVER_TORQUE_DELAY])
+        at = row - delays[DRIVER_TORQUE_DELAY]
         driver_step(
-            driver_par, reference, hands_on, driver_state, driver_out, tick, at[0], at[1], at[2]
+            driver_par,
+            reference,
+            hands_on,
+            driver_state,
+            driver_out,
+            tick,
+            measured[at, 0],
+            measured[at, 1],
+            measured[at, 2],
         )
-        traces[DRIVER][tick] = driver_out
+        keep(driver_out, commanded, row)
         if closed:
-            torque = delayed(measured, rest[MEASURED], tick, delays[LEFT_TORQUE_DELAY])
-            pressure = delayed(measured, rest[MEASURED], tick, delays[LEFT_PRESSURE_DELAY])
-            rack = delayed(measured, rest[MEASURED], tick, delays[LEFT_RACK_DELAY])
-            control(left, torque, pressure, rack, tick, traces[LEFT_VALVE])
-            torque = delayed(measured, rest[MEASURED], tick, delays[RIGHT_TORQUE_DELAY])
-            pressure = delayed(measured, rest[MEASURED], tick, delays[RIGHT_PRESSURE_DELAY])
-            rack = delayed(measured, rest[MEASURED], tick, delays[RIGHT_RACK_DELAY])
-            control(right, torque, pressure, rack, tick, traces[RIGHT_VALVE])
-        at = delayed(measured, rest[MEASURED], tick, delays[VEHICLE_RACK_DELAY])
+            at_torque = row - delays[LEFT_TORQUE_DELAY]
+            at_pressure = row - delays[LEFT_PRESSURE_DELAY]
+            at_rack = row - delays[LEFT_RACK_DELAY]
+            control(left, measured, at_torque, at_pressure, at_rack, tick, left_trace, row)
+            at_torque = row - delays[RIGHT_TORQUE_DELAY]
+            at_pressure = row - delays[RIGHT_PRESSURE_DELAY]
+            at_rack = row - delays[RIGHT_RACK_DELAY]
+            control(right, measured, at_torque, at_pressure, at_rack, tick, right_trace, row)
+        at = row - delays[VEHICLE_RACK_DELAY]
         vehicle_step(
-            vehicle_par, external, vehicle_state, vehicle_out, tick, at[6], at[7], at[8]
+            vehicle_par,
+            external,
+            vehicle_state,
+            vehicle_out,
+            tick,
+            measured[at, 6],
+            measured[at, 7],
+            measured[at, 8],
         )
-        load[tick] = vehicle_out
+        keep(vehicle_out, load, row)
         if tick % MOTION_PERIOD == 0:
-            traces[MOTION][tick // MOTION_PERIOD] = vehicle_state
+            keep(vehicle_state, motion, tick // MOTION_PERIOD)
 
         if tick + 1 < last:
-            command = delayed(traces[DRIVER], rest[DRIVER], tick, delays[PLANT_DRIVER_DELAY])
-            force = delayed(load, rest[LOAD], tick, delays[PLANT_LOAD_DELAY])
             left_force, right_force = 0.0, 0.0
             if closed:
-                valve = delayed(
-                    traces[LEFT_VALVE], rest[LEFT_VALVE], tick, delays[PLANT_LEFT_DELAY]
-                )
-                left_force = valve[1]
-                valve = delayed(
-                    traces[RIGHT_VALVE], rest[RIGHT_VALVE], tick, delays[PLANT_RIGHT_DELAY]
-                )
-                right_force = valve[1]
+                left_force = left_trace[row - delays[PLANT_LEFT_DELAY], 1]
+                right_force = right_trace[row - delays[PLANT_RIGHT_DELAY], 1]
+            command = commanded[row - delays[PLANT_DRIVER_DELAY], 0]
+            at = row - delays[PLANT_LOAD_DELAY]
+            force, stiffness, position = load[at, 0], load[at, 1], load[at, 2]
             status = plant_step(
-                *plant, tick, command[0], left_force, right_force, force[0], force[1], force[2]
+                *plant, tick, command, left_force, right_force, force, stiffness, position
             )
             if status != 0:
                 return status, tick

@@ -119,30 +119,33 @@ def run(
     The cores are moved on in place, so a run needs fresh ones. ``on_progress`` gets the number of
     ticks done. Raises PlantError where the plant's state leaves what is possible.
     """
-    closed = cores.left is not None and cores.right is not None
-    rows = ticks if closed else 0
-    measured, motion = np.empty((ticks, 9)), np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), 6))
-    traces = (
-        measured,
-        np.empty((ticks, 2)),
-        np.empty((rows, 2)),
-        np.empty((rows, 2)),
-        np.empty((ticks, 3)),
-        np.empty((ticks if truth else 0, 8)),
-        motion,
-    )
-    arrays = _arrays(cores)
     waiting = delay_vector(delays or {})
-    rest = rest_rows(cores)
+    before = int(waiting.max())
+    traces = _traces(cores, ticks, before, truth)
+    arrays = _arrays(cores)
     for start in range(0, ticks, CHUNK):
         stop = min(start + CHUNK, ticks)
-        status, tick = cores.loop.run_ticks(start, stop, ticks, *arrays, waiting, rest, traces)
+        status, tick = cores.loop.run_ticks(start, stop, ticks, *arrays, waiting, before, traces)
         if status != 0:
             raise PlantError(failure_text(cores.plant, tick, status))
         if on_progress is not None:
             on_progress(stop)
+    measured, *commands = (trace[before:] for trace in traces[:5])
     torque, pressure, rack = measured[:, :3], measured[:, 3:6], measured[:, 6:]
-    return DirectTrace(torque, pressure, rack, *traces[1:])
+    return DirectTrace(torque, pressure, rack, *commands, *traces[5:])
+
+
+def _traces(cores: Cores, ticks: int, before: int, truth: bool) -> tuple[np.ndarray, ...]:
+    """Return the loop's traces; the delayed ones begin with ``before`` rows of rest."""
+    present = [True, True, cores.left is not None, cores.right is not None, True]
+    delayed = [
+        np.vstack([np.tile(rest, (before, 1)), np.empty((ticks, len(rest)))])
+        if there
+        else np.empty((0, len(rest)))
+        for rest, there in zip(rest_rows(cores), present, strict=True)
+    ]
+    motion = np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), 6))
+    return (*delayed, np.empty((ticks if truth else 0, 8)), motion)
 
 
 def _arrays(cores: Cores) -> tuple[tuple[np.ndarray, ...], ...]:

@@ -9,7 +9,7 @@ from .states import POSITION
 
 
 @kernel
-def stiffness(p, pressure, z, e):
+def stiffness(p, pressure, y, e):
     """Return the effective bulk modulus [Pa] at a gauge pressure [Pa].
 
     Below atmospheric pressure the oil parts: a trace of free gas, atmospheric_pressure/bulk_modulus
@@ -21,16 +21,16 @@ def stiffness(p, pressure, z, e):
     if pressure < 0.0:
         ratio = (pressure + p.atmospheric_pressure) / p.atmospheric_pressure
         value *= ratio * ratio
-    return slots.bulk_modulus(value, pressure, z, e)
+    return slots.bulk_modulus(value, pressure, y, e)
 
 
 @kernel
-def left_volume(p, y, z, e):
+def left_volume(p, y, e):
     """Return the left chamber's volume [m3]: positive rack displacement makes it smaller."""
-    return slots.left_volume(p.chamber_volume - p.piston_area * y[POSITION], z, e)
+    return slots.left_volume(p.chamber_volume - p.piston_area * y[POSITION], y, e)
 
 
 @kernel
-def right_volume(p, y, z, e):
+def right_volume(p, y, e):
     """Return the right chamber's volume [m3]: positive rack displacement makes it larger."""
-    return slots.right_volume(p.chamber_volume + p.piston_area * y[POSITION], z, e)
+    return slots.right_volume(p.chamber_volume + p.piston_area * y[POSITION], y, e)

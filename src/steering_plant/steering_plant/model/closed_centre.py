@@ -37,7 +37,7 @@ def spool_stop_force(p, spool, speed):
 
 
 @kernel
-def valve_rates(p, y, dy, first, chamber_pressure, supply, force, z, e):
+def valve_rates(p, y, dy, first, chamber_pressure, supply, force, e):
     """Fill the rates of one valve's spool and control chamber; return its flows.
 
     first: position of the valve's states. force: of the solenoid [N]. Returns (flow from the
@@ -45,10 +45,10 @@ def valve_rates(p, y, dy, first, chamber_pressure, supply, force, z, e):
     each edge's flow force closes it, the control chamber shrinks as the supply edge opens.
     """
     spool, speed, control = y[first + SPOOL], y[first + SPOOL_SPEED], y[first + CONTROL]
-    opening = slots.spool_opening(spool, z, e)
+    opening = slots.spool_opening(spool, y, e)
     supply_area = holes_area(p.hole_diameter, opening + p.underlap)
     tank_area = holes_area(p.hole_diameter, p.underlap - opening)
-    coefficient = slots.flow_coefficient(p.orifice_constant, z, e)
+    coefficient = slots.flow_coefficient(p.orifice_constant, y, e)
     transition = p.laminar_transition_pressure
     drop = supply - chamber_pressure
 
@@ -63,30 +63,30 @@ def valve_rates(p, y, dy, first, chamber_pressure, supply, force, z, e):
     flow_force = jet * (supply_area * abs(drop) - tank_area * abs(chamber_pressure))
     opposing = p.pressure_area * control + p.spring_preload + p.spring_stiffness * spool
     opposing += p.spool_damping * speed + flow_force + spool_stop_force(p, spool, speed)
-    opposing += slots.spool_force(0.0, spool, speed, z, e)
+    opposing += slots.spool_force(0.0, spool, speed, y, e)
 
     dy[first + SPOOL] = speed
     dy[first + SPOOL_SPEED] = (force - opposing) / p.spool_mass
-    control_stiffness = chamber.stiffness(p, control, z, e) / p.control_chamber_volume
+    control_stiffness = chamber.stiffness(p, control, y, e) / p.control_chamber_volume
     dy[first + CONTROL] = control_stiffness * (to_control + p.pressure_area * speed)
     return from_supply, from_supply - to_tank - to_control
 
 
 @kernel
-def closed_centre_rates(p, time, y, dy, u, flows, z, e):
+def closed_centre_rates(p, time, y, dy, u, flows, e):
     """Fill the rates of both valves, both chambers and the supplied energy."""
     left, right = y[LEFT], y[RIGHT]
-    supply = slots.supply_pressure(p.supply_pressure, time, z, e)
-    left_force = slots.left_solenoid(u[LEFT_SOLENOID], z, e)
-    right_force = slots.right_solenoid(u[RIGHT_SOLENOID], z, e)
-    left_drawn, left_net = valve_rates(p, y, dy, LEFT_VALVE, left, supply, left_force, z, e)
-    right_drawn, right_net = valve_rates(p, y, dy, RIGHT_VALVE, right, supply, right_force, z, e)
-    left_net = slots.left_flow(left_net, left, right, z, e)
-    right_net = slots.right_flow(right_net, left, right, z, e)
+    supply = slots.supply_pressure(p.supply_pressure, time, y, e)
+    left_force = slots.left_solenoid(u[LEFT_SOLENOID], y, e)
+    right_force = slots.right_solenoid(u[RIGHT_SOLENOID], y, e)
+    left_drawn, left_net = valve_rates(p, y, dy, LEFT_VALVE, left, supply, left_force, e)
+    right_drawn, right_net = valve_rates(p, y, dy, RIGHT_VALVE, right, supply, right_force, e)
+    left_net = slots.left_flow(left_net, left, right, y, e)
+    right_net = slots.right_flow(right_net, left, right, y, e)
     stroke = p.piston_area * y[VELOCITY]
 
-    left_rate = chamber.stiffness(p, left, z, e) / chamber.left_volume(p, y, z, e)
-    right_rate = chamber.stiffness(p, right, z, e) / chamber.right_volume(p, y, z, e)
+    left_rate = chamber.stiffness(p, left, y, e) / chamber.left_volume(p, y, e)
+    right_rate = chamber.stiffness(p, right, y, e) / chamber.right_volume(p, y, e)
     dy[LEFT] = left_rate * (left_net + stroke)
     dy[RIGHT] = right_rate * (right_net - stroke)
     dy[ENERGY] = supply * (left_drawn + right_drawn)

@@ -32,58 +32,57 @@ C2, C3, C4, C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9
 
 
 @kernel
-def trial_step(par, table, e, time, h, y, u, work, flows):
-    """Fill work[7] with the state after a step ``h`` from ``y`` and work[6] with its slope.
+def trial_step(p, table, e, time, h, y, u, k1, k2, k3, k4, k5, k6, k7, new, at, flows):
+    """Fill ``new`` with the state after a step ``h`` from ``y`` and ``k7`` with its slope.
 
-    work[0] holds the slope at ``y`` on entry; rows 1 to 5 take the stages.
+    ``k1`` holds the slope at ``y`` on entry; ``at`` takes the stages' states.
     """
     n = y.shape[0]
-    k1, k2, k3, k4 = work[0], work[1], work[2], work[3]
-    k5, k6, k7, new, at = work[4], work[5], work[6], work[7], work[8]
     for i in range(n):
         at[i] = y[i] + h * (A21 * k1[i])
-    rates(par, table, e, time + C2 * h, at, u, k2, flows)
+    rates(p, table, e, time + C2 * h, at, u, k2, flows)
     for i in range(n):
         at[i] = y[i] + h * (A31 * k1[i] + A32 * k2[i])
-    rates(par, table, e, time + C3 * h, at, u, k3, flows)
+    rates(p, table, e, time + C3 * h, at, u, k3, flows)
     for i in range(n):
         at[i] = y[i] + h * (A41 * k1[i] + A42 * k2[i] + A43 * k3[i])
-    rates(par, table, e, time + C4 * h, at, u, k4, flows)
+    rates(p, table, e, time + C4 * h, at, u, k4, flows)
     for i in range(n):
         at[i] = y[i] + h * (A51 * k1[i] + A52 * k2[i] + A53 * k3[i] + A54 * k4[i])
-    rates(par, table, e, time + C5 * h, at, u, k5, flows)
+    rates(p, table, e, time + C5 * h, at, u, k5, flows)
     for i in range(n):
         slope = A61 * k1[i] + A62 * k2[i] + A63 * k3[i] + A64 * k4[i] + A65 * k5[i]
         at[i] = y[i] + h * slope
-    rates(par, table, e, time + h, at, u, k6, flows)
+    rates(p, table, e, time + h, at, u, k6, flows)
     for i in range(n):
         slope = B1 * k1[i] + B3 * k3[i] + B4 * k4[i] + B5 * k5[i] + B6 * k6[i]
         new[i] = y[i] + h * slope
-    rates(par, table, e, time + h, new, u, k7, flows)
+    rates(p, table, e, time + h, new, u, k7, flows)
 
 
 @kernel
-def error_norm(scale, h, work):
+def error_norm(scale, h, k1, k3, k4, k5, k6, k7):
     """Return the largest local error over its tolerance ``scale`` (absolute, by state)."""
     worst = 0.0
     for i in range(scale.shape[0]):
-        slope = E1 * work[0, i] + E3 * work[2, i] + E4 * work[3, i]
-        slope += E5 * work[4, i] + E6 * work[5, i] + E7 * work[6, i]
+        slope = E1 * k1[i] + E3 * k3[i] + E4 * k4[i] + E5 * k5[i] + E6 * k6[i] + E7 * k7[i]
         worst = max(worst, abs(h * slope) / scale[i])
     return worst
 
 
 @kernel
-def advance(par, table, e, scale, time, span, y, step, u, work, flows):
+def advance(p, table, e, scale, time, span, y, step, u, work, flows):
     """Integrate ``y`` in place over ``span`` seconds with held inputs ``u``; return a status.
 
     scale: error tolerance by state, shape (n,). step: shape (1,), inner step to begin with [s],
-    replaced by the one to go on with. With par.inner_steps > 0 that many equal steps are taken
+    replaced by the one to go on with. With p.inner_steps > 0 that many equal steps are taken
     instead. Status OK, NOT_FINITE or STEP_TOO_SMALL; on failure ``y`` is the last good state.
     """
-    fixed = int(par[0].inner_steps)
+    k1, k2, k3, k4, k5 = work[0], work[1], work[2], work[3], work[4]
+    k6, k7, new, at = work[5], work[6], work[7], work[8]
+    fixed = int(p.inner_steps)
     done = 0.0
-    rates(par, table, e, time, y, u, work[0], flows)
+    rates(p, table, e, time, y, u, k1, flows)
     for count in range(MOST_STEPS):
         if fixed > 0:
             if count == fixed:
@@ -91,23 +90,25 @@ def advance(par, table, e, scale, time, span, y, step, u, work, flows):
             h = span / fixed
         else:
             h = (span - done) / math.ceil((span - done) / step[0] * (1.0 - 1e-9))
-        trial_step(par, table, e, time + done, h, y, u, work, flows)
-        fine = possible(par, work[7])
-        error = error_norm(scale, h, work) if fine else math.inf
+        trial_step(
+            p, table, e, time + done, h, y, u, k1, k2, k3, k4, k5, k6, k7, new, at, flows
+        )
+        fine = possible(p, new)
         if fixed > 0 and not fine:
             return NOT_FINITE
-        if fixed == 0 and not error <= 1.0:
-            step[0] = h * max(LEAST_FACTOR, SAFETY * error**-0.2 if fine else 0.0)
-            if step[0] < SMALLEST_STEP:
-                return STEP_TOO_SMALL if fine else NOT_FINITE
-            continue
-        done += h
-        y[:] = work[7]
-        settle(par, e, y)
-        work[0, :] = work[6]
         if fixed == 0:
+            error = error_norm(scale, h, k1, k3, k4, k5, k6, k7) if fine else math.inf
+            if not error <= 1.0:
+                step[0] = h * max(LEAST_FACTOR, SAFETY * error**-0.2 if fine else 0.0)
+                if step[0] < SMALLEST_STEP:
+                    return STEP_TOO_SMALL if fine else NOT_FINITE
+                continue
             growth = SAFETY * max(error, 1e-10) ** -0.2
             step[0] = min(h * min(growth, GREATEST_FACTOR), span)
-            if span - done <= 1e-12 * span:
-                return OK
+        done += h
+        for i in range(y.shape[0]):
+            y[i], k1[i] = new[i], k7[i]
+        settle(p, e, y)
+        if fixed == 0 and span - done <= 1e-12 * span:
+            return OK
     return STEP_TOO_SMALL

@@ -38,31 +38,32 @@ def limited(force, limit):
 
 
 @kernel
-def column_limit(p, speed, z, e):
+def column_limit(p, y, e):
     """Return the limit of the column's friction [N m]."""
-    return slots.column_friction_limit(p.column_friction, speed, z, e)
+    return slots.column_friction_limit(p.column_friction, y[SPEED], y, e)
 
 
 @kernel
-def rack_limit(p, position, velocity, left, right, z, e):
+def rack_limit(p, y, e):
     """Return the limit of the rack's friction [N]: level plus slope times the sum of pressures."""
+    left, right = y[LEFT], y[RIGHT]
     loaded = max(left, 0.0) + max(right, 0.0)
     nominal = p.rack_friction + p.rack_friction_pressure_slope * loaded
-    return slots.rack_friction_limit(nominal, position, velocity, left, right, z, e)
+    return slots.rack_friction_limit(nominal, y[POSITION], y[VELOCITY], left, right, y, e)
 
 
 @kernel
-def torsion_bar_torque(p, angle, position, z, e):
+def torsion_bar_torque(p, y, e):
     """Return T = K_T (theta_sw - R_T x) [N m]."""
-    twist = angle - p.gear_ratio * position
-    return slots.torsion_torque(p.torsion_bar_stiffness * twist, twist, z, e)
+    twist = y[ANGLE] - p.gear_ratio * y[POSITION]
+    return slots.torsion_torque(p.torsion_bar_stiffness * twist, twist, y, e)
 
 
 @kernel
-def load(u, position, velocity, z, e):
+def load(u, y, e):
     """Return the rack force [N]: force + stiffness (x - position it belongs to)."""
-    nominal = u[LOAD_FORCE] + u[LOAD_STIFFNESS] * (position - u[LOAD_POSITION])
-    return slots.load_force(nominal, position, velocity, z, e)
+    nominal = u[LOAD_FORCE] + u[LOAD_STIFFNESS] * (y[POSITION] - u[LOAD_POSITION])
+    return slots.load_force(nominal, y[POSITION], y[VELOCITY], y, e)
 
 
 @kernel
@@ -77,20 +78,20 @@ def stop_force(p, position, velocity):
 
 
 @kernel
-def mechanical_rates(p, y, dy, u, torque, z, e):
+def mechanical_rates(p, y, dy, u, torque, e):
     """Fill the rates of the mechanical states for a torsion-bar ``torque`` [N m]."""
     speed, position, velocity = y[SPEED], y[POSITION], y[VELOCITY]
     left, right = y[LEFT], y[RIGHT]
-    column = column_limit(p, speed, z, e)
-    rack = rack_limit(p, position, velocity, left, right, z, e)
+    column = column_limit(p, y, e)
+    rack = rack_limit(p, y, e)
     column_force = limited(y[COLUMN_FRICTION], column)
     rack_force = limited(y[RACK_FRICTION], rack)
 
     resisting = p.steering_wheel_damping * speed + column_force
-    resisting += slots.column_torque(0.0, y[ANGLE], speed, z, e)
-    opposing = p.rack_damping * velocity + rack_force + load(u, position, velocity, z, e)
+    resisting += slots.column_torque(0.0, y[ANGLE], speed, y, e)
+    opposing = p.rack_damping * velocity + rack_force + load(u, y, e)
     opposing += stop_force(p, position, velocity)
-    opposing += slots.rack_force(0.0, position, velocity, left, right, z, e)
+    opposing += slots.rack_force(0.0, position, velocity, left, right, y, e)
     assistance = (right - left) * p.piston_area
 
     dy[ANGLE] = speed

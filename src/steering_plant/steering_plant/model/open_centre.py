@@ -26,15 +26,15 @@ def relief_flow(p, pump):
 
 
 @kernel
-def open_centre_rates(p, table, time, y, dy, torque, flows, z, e):
+def open_centre_rates(p, table, time, y, dy, torque, flows, e):
     """Fill the rates of the chambers, the pump line and the supplied energy.
 
     Four orifices (section 4.2): pump to right and left to tank through A1, pump to left and right
     to tank through A2; the areas follow the torsion-bar torque [N m].
     """
     left, right, pump = y[LEFT], y[RIGHT], y[PUMP]
-    a1, a2 = opening_areas(p, table, slots.valve_torque(torque, z, e))
-    coefficient = slots.flow_coefficient(p.orifice_constant, z, e)
+    a1, a2 = opening_areas(p, table, slots.valve_torque(torque, y, e))
+    coefficient = slots.flow_coefficient(p.orifice_constant, y, e)
     g1, g2 = coefficient * a1, coefficient * a2
     transition = p.laminar_transition_pressure
 
@@ -42,15 +42,15 @@ def open_centre_rates(p, table, time, y, dy, torque, flows, z, e):
     to_left = orifice_flow(g2, pump - left, transition)
     right_net = to_right - orifice_flow(g2, right, transition)
     left_net = to_left - orifice_flow(g1, left, transition)
-    right_net = slots.right_flow(right_net, left, right, z, e)
-    left_net = slots.left_flow(left_net, left, right, z, e)
-    supplied = slots.pump_flow(p.pump_flow, time, z, e)
+    right_net = slots.right_flow(right_net, left, right, y, e)
+    left_net = slots.left_flow(left_net, left, right, y, e)
+    supplied = slots.pump_flow(p.pump_flow, time, y, e)
     stroke = p.piston_area * y[VELOCITY]
 
     pump_net = supplied - relief_flow(p, pump) - to_right - to_left
-    dy[PUMP] = chamber.stiffness(p, pump, z, e) / p.pump_volume * pump_net
-    left_rate = chamber.stiffness(p, left, z, e) / chamber.left_volume(p, y, z, e)
-    right_rate = chamber.stiffness(p, right, z, e) / chamber.right_volume(p, y, z, e)
+    dy[PUMP] = chamber.stiffness(p, pump, y, e) / p.pump_volume * pump_net
+    left_rate = chamber.stiffness(p, left, y, e) / chamber.left_volume(p, y, e)
+    right_rate = chamber.stiffness(p, right, y, e) / chamber.right_volume(p, y, e)
     dy[LEFT] = left_rate * (left_net + stroke)
     dy[RIGHT] = right_rate * (right_net - stroke)
     dy[ENERGY] = pump * supplied

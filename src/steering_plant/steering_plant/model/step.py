@@ -6,7 +6,7 @@ from steering_core.compiled import kernel
 from steering_plant.sensors import measure
 
 from . import mechanics, slots
-from .dynamics import model_size, rates
+from .dynamics import rates
 from .integrator import advance
 from .states import (
     ANGLE,
@@ -44,16 +44,15 @@ def observe(par, sensors, e, tick, y, u, history, true, out):
     ``u`` holds the load that acted in the tick before, which the load cell still reports.
     """
     p = par[0]
-    z = y[model_size(p) :]
     true[0], true[1] = y[ANGLE], y[SPEED]
-    true[2] = mechanics.torsion_bar_torque(p, y[ANGLE], y[POSITION], z, e)
+    true[2] = mechanics.torsion_bar_torque(p, y, e)
     true[3], true[4] = y[LEFT], y[RIGHT]
     if p.closed_centre > 0.0:
-        true[5] = slots.supply_pressure(p.supply_pressure, tick * TICK, z, e)
+        true[5] = slots.supply_pressure(p.supply_pressure, tick * TICK, y, e)
     else:
         true[5] = y[PUMP]
     true[6], true[7] = y[POSITION], y[VELOCITY]
-    true[8] = mechanics.load(u, y[POSITION], y[VELOCITY], z, e)
+    true[8] = mechanics.load(u, y, e)
     measure(sensors, p.noise_seed, history, tick, true, out)
 
 
@@ -61,7 +60,7 @@ def observe(par, sensors, e, tick, y, u, history, true, out):
 def report_truth(par, table, e, tick, y, u, work, flows, truth):
     """Fill ``truth`` (shape (8,), fields of steering_msgs/PlantTruth) at ``tick``."""
     p = par[0]
-    rates(par, table, e, tick * TICK, y, u, work[0], flows)
+    rates(p, table, e, tick * TICK, y, u, work[0], flows)
     truth[0], truth[1] = y[COLUMN_FRICTION], y[RACK_FRICTION]
     truth[2] = y[LEFT_VALVE + SPOOL] if p.closed_centre > 0.0 else 0.0
     truth[3] = y[RIGHT_VALVE + SPOOL] if p.closed_centre > 0.0 else 0.0
@@ -99,7 +98,7 @@ def plant_step(
     u[DRIVER_TORQUE] = driver_torque
     u[LEFT_SOLENOID], u[RIGHT_SOLENOID] = left_solenoid, right_solenoid
     u[LOAD_FORCE], u[LOAD_STIFFNESS], u[LOAD_POSITION] = load_force, load_stiffness, load_position
-    status = advance(par, table, e, scale, tick * TICK, TICK, y, step, u, work, flows)
+    status = advance(par[0], table, e, scale, tick * TICK, TICK, y, step, u, work, flows)
     if status == 0:
         observe(par, sensors, e, tick + 1, y, u, history, true, out)
     return status
