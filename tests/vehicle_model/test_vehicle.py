@@ -139,8 +139,8 @@ def test_stiffness_predicts_the_force_at_the_end_of_a_tick():
     for speed in (0.05, 1.0, 19.444):
         history = np.linspace(0.0, 0.001, 30)
         held, moved = vehicle(speed), vehicle(speed)
-        stay = run(held, [*history, history[-1]])[-1]
-        go = run(moved, [*history, history[-1] + 1e-4])[-1]
+        stay = run(held, np.append(history, history[-1]))[-1]
+        go = run(moved, np.append(history, history[-1] + 1e-4))[-1]
         assert go - stay == pytest.approx(held.out[1] * 1e-4, rel=1e-6)
     assert vehicle().par["stiffness"][0] == pytest.approx(115e3 * 0.08 / 0.11**2, rel=0.004)
 
