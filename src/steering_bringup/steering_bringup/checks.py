@@ -1,0 +1,54 @@
+"""What is refused before any process starts, beside the schema: physics and places on disk."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+from steering_bringup.errors import BenchError
+from steering_bringup.plans import Plan, valve_loop_delay
+
+
+def check_physics(plan: Plan) -> None:
+    """Refuse parameters that do not fit together and a controller that would be unstable.
+
+    The cores are built and stepped once. So their kernels are compiled and kept on disk before a
+    node process needs them within a tick's time-out.
+    """
+    from pressure_control.stability import check_sampled_stability
+    from steering_bringup.cores import boost_curve, build_cores, step_once
+    from steering_core.compiled import cache_folder
+
+    if not any(cache_folder().rglob("*.nbi")):
+        print("compiling the kernels (once after each change of the code) ...", file=sys.stderr)
+    step_once(build_cores(plan.scenario, plan.node_set))
+    delay = valve_loop_delay(plan.graph)
+    if delay:
+        # Without delays the controllers themselves have just been judged as they were built.
+        try:
+            table = boost_curve(plan.scenario)
+            check_sampled_stability(plan.scenario.parameter_values(), table, delay)
+        except ValueError as error:
+            raise BenchError(str(error)) from None
+
+
+def check_place(bag: Path) -> None:
+    """Refuse a bag's folder that exists or cannot be made; its parents are made."""
+    if bag.exists():
+        raise BenchError(f"'{bag}' exists already: name another folder, or remove it")
+    try:
+        bag.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        place = error.filename or bag.parent
+        raise BenchError(f"the folder '{place}' cannot be made: {error.strerror}") from None
+    if not os.access(bag.parent, os.W_OK | os.X_OK):
+        raise BenchError(f"no permission to write into '{bag.parent}': name another with --out")
+
+
+def free_folder(root: Path, name: str) -> Path:
+    """Return ``root``/``name``-1, -2, ...: the first that does not exist yet."""
+    number = 1
+    while (folder := root / f"{name}-{number}").exists():
+        number += 1
+    return folder

@@ -1,0 +1,164 @@
+"""``steer run``: a scenario from the first tick to the page."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from steering_bringup.errors import BenchError
+
+if TYPE_CHECKING:
+    from steering_bringup.outcome import Outcome
+    from steering_bringup.plans import Manner, Plan
+    from steering_bringup.schema import Scenario
+
+EXAMPLES = """examples:
+  steer run                                    the main job: on-centre, both valve systems, compared
+  steer run dry_park
+  steer run step --node-set closed_centre --set mechanics.rack_mass=30
+  steer run --processes each --real-time --duration 5
+  steer run --direct --set manoeuvre.amplitude_deg=20
+  steer run --delay '/valve/left/command->plant=1' --delay '/valve/right/command->plant=1' \\
+            --set valve_controller.resonance=400"""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    add = parser.add_argument
+    add("scenario", nargs="?", default="on_centre", help="name (see 'steer list') or YAML file")
+    what = parser.add_argument_group("what runs")
+    add = what.add_argument
+    add("--node-set", metavar="NAME", action="append", help="node set by name or file; repeatable")
+    add("--manoeuvre", metavar="KIND", help="another manoeuvre with its defaults")
+    add("--load", metavar="KIND", help="another load with its defaults")
+    add("--duration", metavar="S", help="simulated time in s")
+    add("--set", metavar="NAME=VALUE", action="append", default=[], help="a value; repeatable")
+    add("--set-file", metavar="FILE", action="append", default=[], help="values from a YAML file")
+    add(
+        "--delay",
+        metavar="TOPIC->NODE=TICKS",
+        action="append",
+        default=[],
+        help="extra delay of a connection; repeatable",
+    )
+    how = parser.add_argument_group("how it runs")
+    add = how.add_argument
+    add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
+    add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
+    add("--real-time", action="store_true", help="pace the ticks to the wall clock")
+    add("--timeout", metavar="S", type=float, default=2.0, help="s without a tick (default: 2)")
+    out = parser.add_argument_group("what is kept")
+    add = out.add_argument
+    add("--out", metavar="DIR", type=Path, help="folder (default: results/SCENARIO-1, -2, ...)")
+    add("--record", metavar="BAG", type=Path, help="folder of the bag, where one node set runs")
+    add("--no-record", action="store_true", help="record nothing")
+    add("--truth", action=argparse.BooleanOptionalAction, help="true states of the plant too")
+    add("--json", metavar="FILE", type=Path, help="write the summary for machines")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Plan, run, compare, and tell."""
+    from steering_bringup.session import run_all
+
+    scenario = _scenario(options)
+    folder = _folder(options, scenario.name)
+    plans = _plans(options, scenario, folder)
+    outcomes = run_all(plans, _tell)
+    report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
+    if len(outcomes) == 2 and all(outcome.ok and outcome.bag for outcome in outcomes):
+        report["comparison"] = _compare(outcomes, folder / "comparison.html")
+    if options.json:
+        options.json.parent.mkdir(parents=True, exist_ok=True)
+        options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    return _status(outcomes[-1])
+
+
+def _scenario(options: argparse.Namespace) -> Scenario:
+    """Return the scenario with all options applied, checked."""
+    from steering_bringup.overrides import merge, set_delay, set_file, set_value
+    from steering_bringup.scenario_files import check_scenario, find, open_scenario
+
+    document = open_scenario(options.scenario)
+    for path in options.set_file:
+        set_file(document, path)
+    for name in ("manoeuvre", "load"):
+        if getattr(options, name):
+            merge(document, {f"{name}.kind": getattr(options, name)}, f"--{name}")
+    for text in options.set:
+        set_value(document, text)
+    for text in options.delay:
+        set_delay(document, text)
+    for name in ("duration", "node_set", "truth"):
+        if getattr(options, name) is not None:
+            merge(document, {name: getattr(options, name)}, f"--{name.replace('_', '-')}")
+    if options.no_record:
+        merge(document, {"record": False}, "--no-record")
+    return check_scenario(document, find("scenario", options.scenario).parent)
+
+
+def _folder(options: argparse.Namespace, name: str) -> Path:
+    from steering_bringup.checks import free_folder
+
+    return options.out or free_folder(Path("results"), name)
+
+
+def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> list[Plan]:
+    from steering_bringup.plans import make_plan, node_sets_of
+
+    node_sets = node_sets_of(scenario)
+    if options.record and (len(node_sets) > 1 or options.no_record):
+        reason = "--no-record" if options.no_record else f"{len(node_sets)} node sets"
+        raise BenchError(f"--record names one bag, but there is {reason}: use --out DIR")
+    bags = {
+        node_set.name: (options.record or folder / node_set.name) if scenario.record else None
+        for node_set in node_sets
+    }
+    return [make_plan(scenario, n, _manner(options), bags[n.name]) for n in node_sets]
+
+
+def _manner(options: argparse.Namespace) -> Manner:
+    from steering_bringup.plans import Manner
+
+    if not options.timeout > 0.0:
+        raise BenchError(f"--timeout must be greater than 0 s, got {options.timeout:g}")
+    if options.direct and (options.real_time or options.processes):
+        raise BenchError(
+            "--direct runs in one loop as fast as it goes: leave out --real-time and --processes"
+        )
+    runner: Any = "direct" if options.direct else "graph"
+    return Manner(runner, options.processes, options.real_time, options.timeout)
+
+
+def _tell(outcome: Outcome) -> None:
+    from steering_bringup.summary import lines
+
+    print("\n".join(lines(outcome)), flush=True)
+
+
+def _compare(outcomes: list[Outcome], page: Path) -> dict[str, object]:
+    from steering_bringup.session import compare_bags
+
+    first, second = (outcome.bag for outcome in outcomes)
+    assert first is not None
+    assert second is not None
+    text, numbers = compare_bags(first, second, page)
+    print("\n" + "\n".join(text))
+    print(f"page: {page}")
+    return numbers
+
+
+def _status(outcome: Outcome) -> int:
+    from steering_bringup.cli import FAILED, INTERRUPTED
+
+    kept = f"; the bag so far is {outcome.bag}" if outcome.bag else ""
+    if outcome.stopped_by:
+        where = f"after tick {outcome.ticks} of {outcome.planned}"
+        print(f"steer run: stopped by {outcome.stopped_by} {where}{kept}", file=sys.stderr)
+        return INTERRUPTED if outcome.stopped_by == "SIGINT" else 143
+    if outcome.error:
+        print(f"steer run: {outcome.error}{kept}", file=sys.stderr)
+        return FAILED
+    return 0

@@ -1,0 +1,121 @@
+"""From a scenario to the objects that compute: plant, valve controllers, driver and vehicle."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from driver_model.driver import Driver
+from pressure_control.controller import ValveController
+from steering_bringup.direct.runner import Cores
+from steering_bringup.errors import BenchError
+from steering_bringup.schema import NodeSet, Scenario
+from steering_core.parameters import ParameterError
+from steering_plant.boost_curve import FORMULA, boost_table
+from steering_plant.plant import Plant
+from vehicle_model.vehicle import Vehicle
+
+
+def build_cores(scenario: Scenario, node_set: NodeSet) -> Cores:
+    """Return fresh cores at rest; BenchError for values that cannot be built."""
+    try:
+        return _build(scenario, node_set.valve_system)
+    except (ValueError, ParameterError) as error:
+        raise BenchError(f"scenario '{scenario.name}' cannot run: {error}") from None
+
+
+def _build(scenario: Scenario, valve_system: str) -> Cores:
+    parameters, ticks = scenario.parameter_values(), scenario.ticks
+    table = boost_curve(scenario)
+    closed = valve_system == "closed_centre"
+    return Cores(
+        plant=Plant(parameters, valve_system, table),
+        driver=Driver(parameters, scenario.manoeuvre.make(), ticks),
+        vehicle=Vehicle(parameters, scenario.load.make(), ticks),
+        left=ValveController(parameters, "left", table) if closed else None,
+        right=ValveController(parameters, "right", table) if closed else None,
+    )
+
+
+def step_once(cores: Cores) -> None:
+    """Do tick 0 with every core on its own, as the nodes do. The cores are moved on."""
+    measured = cores.plant.out.tolist()
+    torque, rack = measured[:3], measured[6:]
+    forces = [0.0, 0.0]
+    for index, controller in enumerate((cores.left, cores.right)):
+        if controller is not None:
+            forces[index] = float(controller.step(0, *measured)[1])
+    applied = float(cores.driver.step(0, *torque)[0])
+    load = cores.vehicle.step(0, *rack).tolist()
+    cores.plant.truth(0)
+    cores.plant.step(0, applied, *forces, *load)
+
+
+def boost_curve(scenario: Scenario) -> np.ndarray:
+    """Return the measured boost curve's table, or the one that stands for the formula."""
+    return FORMULA if scenario.boost_curve is None else boost_table(scenario.boost_curve)
+
+
+def rest_values(cores: Cores) -> dict[str, tuple[float, ...]]:
+    """Return what each topic is taken to have held before the first tick: the state of rest."""
+    measured = cores.plant.out
+    rest: dict[str, Any] = {
+        "/steering/torque": measured[:3],
+        "/steering/pressure": measured[3:6],
+        "/steering/rack": measured[6:],
+        "/driver/torque": np.zeros(2),
+        "/vehicle/rack_force": np.zeros(3),
+    }
+    for topic, controller in (
+        ("/valve/left/command", cores.left),
+        ("/valve/right/command", cores.right),
+    ):
+        if controller is not None:
+            rest[topic] = controller.out
+    return {topic: tuple(values.tolist()) for topic, values in rest.items()}
+
+
+def node_parameters(scenario: Scenario, node_set: NodeSet) -> dict[str, dict[str, Any]]:
+    """Return the ROS parameters of each node, by node name.
+
+    Data sheet values travel under their own names where they differ from the nominal set, which a
+    node takes by itself.
+    """
+    shared = changed_values(scenario)
+    return {
+        name: shared | _own(scenario, node_set, entry.kind) | dict(entry.parameters)
+        for name, entry in node_set.nodes.items()
+    }
+
+
+def changed_values(scenario: Scenario) -> dict[str, float]:
+    """Return the parameters that differ from the nominal set."""
+    from steering_core.parameters import load_parameters
+
+    nominal = load_parameters().flat()
+    used = scenario.parameter_values().flat()
+    return {name: value for name, value in used.items() if value != nominal[name]}
+
+
+def _own(scenario: Scenario, node_set: NodeSet, kind: str) -> dict[str, Any]:
+    if kind == "plant":
+        effects = {
+            f"effects.{effect}.{name}": value
+            for effect, values in scenario.effects.items()
+            for name, value in values.items()
+        }
+        return {"valve_system": node_set.valve_system, **effects}
+    if kind == "driver":
+        return {"duration": scenario.duration, **_nested("manoeuvre", scenario.manoeuvre)}
+    if kind == "vehicle":
+        return {"duration": scenario.duration, **_nested("load", scenario.load)}
+    return {}
+
+
+def _nested(prefix: str, choice: Any) -> dict[str, Any]:
+    values = {"kind": choice.kind, **choice.values()}
+    return {
+        f"{prefix}.{name}": list(value) if isinstance(value, tuple) else value
+        for name, value in values.items()
+    }

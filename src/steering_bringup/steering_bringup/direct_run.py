@@ -1,0 +1,91 @@
+"""A run without ROS: the compiled cores in this process, recorded to the same bag."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from steering_bringup.cores import build_cores
+from steering_bringup.graphs import connection_delays, recorded_types
+from steering_bringup.outcome import Outcome, peaks
+from steering_bringup.plans import Plan
+from steering_bringup.progress import Bar
+from steering_lockstep.topics import TABLE, wire
+from steering_lockstep.wire import NANOSECONDS_PER_TICK
+
+if TYPE_CHECKING:
+    from steering_bringup.direct.runner import DirectTrace
+
+BLOCK_TICKS = 1000
+"""Ticks written at once; within a block the messages are sorted by topic rate, then by tick."""
+
+
+def run_direct(plan: Plan) -> Outcome:
+    """Run the plan and return what it did. Raises PlantError where the plant gives up."""
+    from steering_bringup.direct.runner import run
+
+    started = time.perf_counter()
+    scenario = plan.scenario
+    # A first tick apart loads the compiled loop, or compiles it, outside of the timed run.
+    run(build_cores(scenario, plan.node_set), 1, truth=scenario.truth)
+    cores = build_cores(scenario, plan.node_set)
+    ready = time.perf_counter()
+    with Bar(plan.node_set.name, scenario.duration) as bar:
+
+        def progress(tick: int) -> None:
+            bar.update(tick, tick * 1e-3 / (time.perf_counter() - ready))
+
+        delays = connection_delays(plan.graph)
+        trace = run(cores, scenario.ticks, delays, truth=scenario.truth, on_progress=progress)
+    done = time.perf_counter()
+    outcome = Outcome(
+        scenario.name,
+        plan.node_set.name,
+        scenario.ticks,
+        ticks=scenario.ticks,
+        wall_time=done - ready,
+        start_time=ready - started,
+        peaks=peaks(trace.torque, trace.pressure, trace.rack),
+    )
+    if plan.bag is not None:
+        outcome.messages = write_bag(plan, trace)
+        outcome.bag = plan.bag
+    return outcome
+
+
+def write_bag(plan: Plan, trace: DirectTrace) -> int:
+    """Write a direct run's bag with the bytes that the graph would publish; return their number."""
+    from steering_bringup.bags import BagWriter
+
+    assert plan.bag is not None
+    types = recorded_types(plan.graph)
+    payloads = {topic: _payload(topic, trace) for topic in types}
+    with BagWriter(plan.bag, types, plan.metadata()) as writer:
+        for start in range(0, plan.scenario.ticks, BLOCK_TICKS):
+            for every in sorted({TABLE[topic].every for topic in types}):
+                ticks = np.arange(start, min(start + BLOCK_TICKS, plan.scenario.ticks), every)
+                rows = slice(start // every, start // every + len(ticks))
+                block = {t: payloads[t][rows] for t in types if TABLE[t].every == every}
+                writer.write_block(ticks * NANOSECONDS_PER_TICK, block)
+    return sum(len(rows) for rows in payloads.values())
+
+
+def _payload(topic: str, trace: DirectTrace) -> np.ndarray:
+    """Return the CDR bytes of every message of a topic, shape (n, size) uint8."""
+    ticks = np.arange(len(trace.torque), step=TABLE[topic].every, dtype=np.uint64)
+    layout = wire(topic)
+    rows = layout.from_columns(ticks, _columns(topic, trace))
+    return rows.view(np.uint8).reshape(len(ticks), layout.size)
+
+
+def _columns(topic: str, trace: DirectTrace) -> np.ndarray:
+    if topic == "/clock":
+        return np.empty((len(trace.torque), 0))
+    if topic in MOTION:
+        raise NotImplementedError(topic)
+    return trace.topics()[topic]
+
+
+MOTION = ("/vehicle/odometry", "/vehicle/imu")

@@ -1,0 +1,97 @@
+"""A run through the real ROS graph."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from steering_bringup.cores import build_cores, node_parameters, rest_values
+from steering_bringup.graphs import RECORDER, connection_delays
+from steering_bringup.outcome import Outcome, peaks_of
+from steering_bringup.plans import Plan
+from steering_bringup.progress import Bar
+
+if TYPE_CHECKING:
+    from steering_lockstep.outcome import Progress, RunResult
+    from steering_lockstep.zygote import Zygote
+
+
+def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
+    """Run the plan over DDS and return what it did; a failed run tells why in ``error``."""
+    from steering_lockstep.processes import placement, run_graph
+
+    scenario = plan.scenario
+    with Bar(plan.node_set.name, scenario.duration) as bar:
+
+        def show(progress: Progress) -> None:
+            bar.update(progress.tick, progress.real_time_factor, progress.phase)
+
+        result = run_graph(
+            plan.graph,
+            scenario.ticks,
+            parameters=_parameters(plan),
+            rest=_rest(plan),
+            layout=plan.layout,
+            real_time=plan.manner.real_time,
+            timeout=plan.manner.timeout,
+            on_progress=show,
+            zygote=zygote,
+        )
+    outcome = Outcome(
+        scenario.name,
+        plan.node_set.name,
+        scenario.ticks,
+        ticks=result.ticks,
+        wall_time=result.wall_time,
+        start_time=result.first_tick_time,
+        processes=len(placement(plan.graph, plan.layout)),
+        lost=dict(result.lost),
+        error=_error(result),
+        stopped_by=result.stopped_by,
+        latency=result.latency,
+    )
+    return _with_bag(plan, outcome)
+
+
+def _parameters(plan: Plan) -> dict[str, dict[str, Any]]:
+    parameters = node_parameters(plan.scenario, plan.node_set)
+    if plan.bag is not None:
+        metadata = json.dumps(plan.metadata())
+        parameters[RECORDER] = {"path": str(plan.bag), "metadata": metadata}
+    return parameters
+
+
+def _rest(plan: Plan) -> dict[str, tuple[float, ...]]:
+    """Return the rest values; nobody needs them, and the cores to compute them, without delays."""
+    if not connection_delays(plan.graph):
+        return {}
+    return rest_values(build_cores(plan.scenario, plan.node_set))
+
+
+def _error(result: RunResult) -> str | None:
+    if result.error is not None:
+        return result.error.message
+    if any(result.lost.values()):
+        listed = ", ".join(f"{n} on {topic}" for topic, n in result.lost.items() if n)
+        return f"messages were lost: {listed}"
+    if not result.ok and result.stopped_by is None:
+        return f"the run ended after {result.ticks} ticks without saying why"
+    return None
+
+
+def _with_bag(plan: Plan, outcome: Outcome) -> Outcome:
+    """Look into the bag: how much it holds, the largest values, and whether it is whole."""
+    from steering_bringup.bags import BagError, read_bag
+
+    if plan.bag is None or not plan.bag.exists():
+        return outcome
+    outcome.bag = plan.bag
+    try:
+        trace = read_bag(plan.bag)
+    except BagError as error:
+        outcome.notes.append(str(error))
+        return outcome
+    outcome.messages = trace.message_count
+    outcome.peaks = peaks_of(trace)
+    outcome.notes += trace.notes
+    return outcome

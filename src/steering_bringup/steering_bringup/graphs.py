@@ -1,0 +1,90 @@
+"""From a node set and a scenario to the checked graph that runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from steering_bringup.errors import BenchError
+from steering_bringup.schema import NodeSet
+from steering_core.naming import unknown
+from steering_lockstep.graph import RECORDER_KIND, Graph, GraphError, NodeSpec, check_graph
+from steering_lockstep.kinds import location
+from steering_lockstep.topics import CREDIT, TABLE
+
+RECORDER = "recorder"
+
+
+def build_graph(
+    node_set: NodeSet, delays: Mapping[str, int], *, truth: bool, record: bool
+) -> Graph:
+    """Return the graph of a node set with extra ``delays`` ("TOPIC->NODE": ticks).
+
+    Raises BenchError naming the node set for whatever cannot run.
+    """
+    try:
+        _check_kinds(node_set)
+        inputs = _inputs(node_set, delays)
+        nodes = [
+            NodeSpec(
+                name,
+                entry.kind,
+                inputs[name],
+                entry.outputs + (entry.truth if truth else ()),
+                entry.period,
+            )
+            for name, entry in node_set.nodes.items()
+        ]
+        _check_topics(nodes)
+        return check_graph([*nodes, recorder(nodes)] if record else nodes)
+    except GraphError as error:
+        raise BenchError(f"node set '{node_set.name}': {error}") from None
+
+
+def recorder(nodes: Iterable[NodeSpec]) -> NodeSpec:
+    """Return the recorder of every topic that ``nodes`` publish."""
+    topics = [topic for node in nodes for topic in node.outputs]
+    return NodeSpec(RECORDER, RECORDER_KIND, dict.fromkeys(topics, 0), (CREDIT,))
+
+
+def recorded_types(graph: Graph) -> dict[str, str]:
+    """Return topic to message type ("package/msg/Name") of all that the graph publishes."""
+    topics = [t for node in graph.nodes if node.kind != RECORDER_KIND for t in node.outputs]
+    return {topic: TABLE[topic].type_name.replace("/", "/msg/") for topic in topics}
+
+
+def connection_delays(graph: Graph) -> dict[str, int]:
+    """Return the connections that wait, as "TOPIC->NODE": ticks."""
+    return {
+        f"{topic}->{node.name}": ticks
+        for node in graph.nodes
+        for topic, ticks in node.inputs.items()
+        if ticks
+    }
+
+
+def _inputs(node_set: NodeSet, delays: Mapping[str, int]) -> dict[str, dict[str, int]]:
+    inputs = {name: dict(entry.inputs) for name, entry in node_set.nodes.items()}
+    known = [f"{topic}->{name}" for name, entry in inputs.items() for topic in entry]
+    for connection, ticks in delays.items():
+        if connection not in known:
+            raise GraphError(unknown("connection", connection, known))
+        topic, name = connection.split("->")
+        inputs[name][topic] = ticks
+    return inputs
+
+
+def _check_kinds(node_set: NodeSet) -> None:
+    for name, entry in node_set.nodes.items():
+        if name == RECORDER:
+            raise GraphError(f"a node cannot be called '{RECORDER}': --record adds that one")
+        try:
+            location(entry.kind)
+        except KeyError as error:
+            raise GraphError(f"node '{name}': {error.args[0]}") from None
+
+
+def _check_topics(nodes: Iterable[NodeSpec]) -> None:
+    for node in nodes:
+        for topic in (*node.inputs, *node.outputs):
+            if topic not in TABLE:
+                raise GraphError(f"node '{node.name}': {unknown('topic', topic, TABLE)}")

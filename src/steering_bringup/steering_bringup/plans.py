@@ -1,0 +1,105 @@
+"""A plan: everything that one run needs, checked before any process starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from steering_bringup.errors import BenchError
+from steering_bringup.graphs import build_graph, connection_delays
+from steering_bringup.scenario_files import load_node_set
+from steering_bringup.schema import NodeSet, Scenario
+from steering_lockstep.graph import Graph
+
+DIRECT_KINDS = ("plant", "valve_controller", "driver", "vehicle", "recorder")
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How runs are made, whatever is run. ``timeout``: s of wall clock without a tick."""
+
+    runner: Literal["graph", "direct"] = "graph"
+    processes: Literal["one", "each"] | None = None
+    real_time: bool = False
+    timeout: float = 2.0
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One run of a scenario with one node set. ``bag``: where it is recorded, None: nowhere."""
+
+    scenario: Scenario
+    node_set: NodeSet
+    graph: Graph
+    manner: Manner
+    bag: Path | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def layout(self) -> Literal["one", "each"]:
+        """Which nodes share a process: all of them or none."""
+        return self.manner.processes or self.node_set.processes
+
+    def metadata(self) -> dict[str, Any]:
+        """Return what is needed to repeat the run, for the bag."""
+        from steering_bringup.bags import run_metadata
+        from steering_bringup.cores import changed_values
+
+        return run_metadata(
+            scenario=self.scenario.model_dump(mode="json", by_alias=True),
+            node_set=self.node_set.model_dump(mode="json", by_alias=True),
+            parameters=self.parameters,
+            overrides=changed_values(self.scenario),
+            effects=self.scenario.effects,
+            layout=self.layout if self.manner.runner == "graph" else None,
+            runner=self.manner.runner,
+            real_time=self.manner.real_time,
+        )
+
+
+def make_plan(scenario: Scenario, node_set: NodeSet, manner: Manner, bag: Path | None) -> Plan:
+    """Return the checked plan of one run; BenchError tells what cannot run."""
+    direct = manner.runner == "direct"
+    record = bag is not None and not direct
+    graph = build_graph(node_set, scenario.delays, truth=scenario.truth, record=record)
+    if direct:
+        _check_direct(graph)
+    parameters = scenario.parameter_values().flat()
+    return Plan(scenario, node_set, graph, manner, bag, parameters)
+
+
+def node_sets_of(scenario: Scenario) -> list[NodeSet]:
+    """Return the node sets that a scenario runs, one after the other."""
+    found = [load_node_set(name) for name in scenario.node_set]
+    names = [node_set.name for node_set in found]
+    if len(set(names)) < len(names):
+        raise BenchError(f"scenario '{scenario.name}' names a node set twice: {', '.join(names)}")
+    return found
+
+
+def valve_loop_delay(graph: Graph) -> int:
+    """Return the most ticks on the way from a pressure over a controller back to the plant."""
+    delays = connection_delays(graph)
+    ways = [
+        delays.get(f"/steering/pressure->{node.name}", 0)
+        + max(delays.get(f"{topic}->{graph.clock.name}", 0) for topic in node.outputs)
+        for node in graph.nodes
+        if node.kind == "valve_controller"
+    ]
+    return max(ways, default=0)
+
+
+def _check_direct(graph: Graph) -> None:
+    for node in graph.nodes:
+        if node.kind not in DIRECT_KINDS:
+            raise BenchError(
+                f"the direct runner has no node of kind '{node.kind}' ('{node.name}'): "
+                "leave out --direct to run it in the graph"
+            )
+        if node.period != 1:
+            raise BenchError(
+                f"the direct runner steps every node on every tick; '{node.name}' has "
+                f"period {node.period}: leave out --direct"
+            )

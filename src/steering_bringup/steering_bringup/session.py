@@ -1,0 +1,61 @@
+"""One call of ``steer run``: the planned runs one after the other, then their comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from steering_bringup.checks import check_physics, check_place
+from steering_bringup.outcome import Outcome
+from steering_bringup.plans import Plan
+
+
+def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> list[Outcome]:
+    """Run ``plans`` in order; the first that does not end well is the last that is run.
+
+    Checks all of them before the first starts. The node programs are imported by a helper process
+    meanwhile, once for all runs.
+    """
+    for plan in plans:
+        if plan.bag is not None:
+            check_place(plan.bag)
+    with ExitStack() as stack:
+        graphs = [plan for plan in plans if plan.manner.runner == "graph"]
+        zygote = None
+        if graphs:
+            from steering_lockstep.kinds import location
+            from steering_lockstep.zygote import Zygote
+
+            kinds = {node.kind for plan in graphs for node in plan.graph.nodes}
+            zygote = stack.enter_context(Zygote(sorted(location(k).split(":")[0] for k in kinds)))
+        for plan in plans:
+            check_physics(plan)
+        outcomes: list[Outcome] = []
+        for plan in plans:
+            outcomes.append(_run(plan, zygote))
+            on_outcome(outcomes[-1])
+            if not outcomes[-1].ok:
+                break
+    return outcomes
+
+
+def _run(plan: Plan, zygote: object) -> Outcome:
+    if plan.manner.runner == "direct":
+        from steering_bringup.direct_run import run_direct
+
+        return run_direct(plan)
+    from steering_bringup.graph_run import run_through_graph
+
+    return run_through_graph(plan, zygote)  # type: ignore[arg-type]
+
+
+def compare_bags(first: Path, second: Path, page: Path) -> tuple[list[str], dict[str, object]]:
+    """Compare two bags, write the page, and return (lines for the terminal, numbers)."""
+    from steering_bringup.bags import read_bag
+    from steering_bringup.comparison import compare, summary
+    from steering_bringup.comparison.page import write_page
+
+    result = compare(read_bag(first), read_bag(second))
+    write_page(result, page)
+    return summary(result).splitlines(), result.to_dict()

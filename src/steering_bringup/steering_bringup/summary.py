@@ -1,0 +1,39 @@
+"""What a run tells in the terminal when it is over."""
+
+from __future__ import annotations
+
+from steering_bringup.outcome import Outcome
+
+
+def lines(outcome: Outcome) -> list[str]:
+    """Return a few lines: what ran, how fast, what was recorded, largest values, where."""
+    shown = [_headline(outcome)]
+    if outcome.latency:
+        shown.append(_latency(outcome.latency))
+    if outcome.bag is not None:
+        lost = sum(outcome.lost.values())
+        shown.append(f"  recorded     {outcome.messages} messages, {lost} lost: {outcome.bag}")
+    shown += [f"  largest      {text}" for text in _peaks(outcome)]
+    shown += [f"  note         {note}" for note in outcome.notes]
+    return shown
+
+
+def _headline(outcome: Outcome) -> str:
+    whole = outcome.ticks == outcome.planned
+    ticks = f"{outcome.ticks} ticks" if whole else f"{outcome.ticks} of {outcome.planned} ticks"
+    wall = (
+        f"{outcome.wall_time:.2f} s" if outcome.wall_time >= 0.1 else f"{outcome.wall_time:.4f} s"
+    )
+    parts = [f"{ticks} in {wall}", f"{outcome.real_time_factor:.1f} x real time"]
+    parts.append(f"first tick after {outcome.start_time:.1f} s")
+    return f"{outcome.scenario} / {outcome.node_set}: {', '.join(parts)}"
+
+
+def _latency(latency: dict[str, float]) -> str:
+    times = ", ".join(f"{n} {latency[n] * 1e6:.0f} us" for n in ("p50", "p99", "max"))
+    return f"  latency      {times}; {latency['overruns']:.0f} overruns"
+
+
+def _peaks(outcome: Outcome) -> list[str]:
+    items = [f"{name} {value:.4g} {unit}" for name, (value, unit) in outcome.peaks.items()]
+    return [", ".join(items[start : start + 3]) for start in range(0, len(items), 3)]
