@@ -17,7 +17,8 @@ TAIL_LINES = 25
 _OFFLINE = (
     r"NewConnectionError|NameResolutionError|Temporary failure in name resolution|"
     r"Network is unreachable|ConnectTimeoutError|ProxyError|Max retries exceeded|"
-    r"Failed to establish a new connection|ReadTimeoutError|Could not fetch URL"
+    r"Failed to establish a new connection|ReadTimeoutError|Could not fetch URL|"
+    r"\(from versions: none\)"
 )
 CAUSES = (
     (r"No space left on device|Errno 28", "the disk is full: make room and run this again"),

@@ -43,7 +43,7 @@ def _problems(folder: Path, patched: Mapping[str, str]) -> list[str]:
     problems = []
     with record.open(newline="", encoding="utf-8") as lines:
         for path, digest, *_ in csv.reader(lines):
-            if not digest or Path(path).name in _UNCHECKED:
+            if not digest or path.endswith(".pyc") or Path(path).name in _UNCHECKED:
                 continue
             problem = _compare((folder.parent / path).resolve(), digest, patched)
             problems += [problem] if problem else []
