@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from types import ModuleType
+from collections.abc import Mapping
 
 import numpy as np
 from steering_core.naming import unknown
 from steering_core.parameters import ParameterSet, record
 
 from steering_plant import boost_curve, sensors
+from steering_plant.effects.models import NO_EFFECTS, plant_model
 from steering_plant.model import integrator, states
-from steering_plant.model import step as nominal_model
-from steering_plant.rest import rest_state
+from steering_plant.rest import rest_signals, rest_state
 
 VALVE_SYSTEMS = ("open_centre", "closed_centre")
 GROUPS = ("mechanics", "oil", "open_centre", "pressure_control_valve", "simulation")
@@ -49,8 +49,7 @@ class Plant:
 
     parameters: the parameter set. valve_system: ``open_centre`` or ``closed_centre``.
     boost_table: measured boost curve (boost_curve.boost_table) in place of the formula.
-    model: module with ``plant_step`` and ``observe``; another one carries effects, whose
-    parameters are ``effect_values`` and whose states are ``effect_states`` in number.
+    effects: effects that are on, name to parameters; those not given are typical.
 
     At rest the rack stands in the middle, without load, at the pressures of the static map.
     ``out`` is the measurement of the present tick, shape (9,), order of sensors.CHANNELS;
@@ -62,23 +61,24 @@ class Plant:
         parameters: ParameterSet,
         valve_system: str,
         boost_table: np.ndarray = boost_curve.FORMULA,
-        model: ModuleType = nominal_model,
-        effect_values: np.ndarray | None = None,
-        effect_states: int = 0,
+        effects: Mapping[str, Mapping[str, float]] = NO_EFFECTS,
     ) -> None:
         if valve_system not in VALVE_SYSTEMS:
             raise ValueError(unknown("valve system", valve_system, VALVE_SYSTEMS))
         self.valve_system = valve_system
-        self.model = model
+        self.model, added = plant_model(effects)
+        parameters = parameters.with_values(added.sheet)
         self.par = plant_record(parameters, valve_system, boost_table)
         self.table = boost_table
         self.sensors = sensors.sensor_table(parameters)
-        self.effects = np.zeros(0) if effect_values is None else effect_values
+        self.effects = added.values
         self.names = state_names(valve_system)
         raised = parameters["valve_controller.common_pressure_raise"]
         nominal = rest_state(self.par, self.table, raised)
-        self.state = np.concatenate([nominal, np.zeros(effect_states)])
-        allowed = [TOLERANCES[name] for name in self.names] + [EFFECT_TOLERANCE] * effect_states
+        at_rest = rest_signals(self.par[0], self.names, nominal)
+        rests = [at_rest[rest] if isinstance(rest, str) else rest for rest in added.rests]
+        self.state = np.concatenate([nominal, rests])
+        allowed = [TOLERANCES[name] for name in self.names] + [EFFECT_TOLERANCE] * len(rests)
         self.scale = np.array(allowed) * parameters["simulation.tolerance"]
         self.inner_step = np.array([1e-4])
         self.inputs = np.zeros(states.INPUTS)

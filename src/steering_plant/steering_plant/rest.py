@@ -67,6 +67,16 @@ def rest_solenoid_force(p: np.void, pressure: float) -> float:
     return float(p["pressure_area"] * pressure + spring + flow_force)
 
 
+def rest_signals(
+    p: np.void, names: tuple[str, ...], state: np.ndarray
+) -> dict[str, float]:
+    """Return what effects' states can be equal to at rest: the states and the solenoids' forces."""
+    signals = dict(zip(names, state.tolist(), strict=True))
+    closed = p["closed_centre"] > 0.0
+    force = rest_solenoid_force(p, state[LEFT]) if closed else 0.0
+    return signals | {"left_solenoid": force, "right_solenoid": force}
+
+
 def _closed_centre(p: np.void, pressure: float) -> np.ndarray:
     state = np.zeros(CLOSED_CENTRE_SIZE)
     state[[LEFT, RIGHT]] = pressure

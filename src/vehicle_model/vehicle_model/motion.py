@@ -1,13 +1,11 @@
-"""One tick of the vehicle, and the constants that it needs."""
+"""The constants that one tick of the vehicle needs."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
 
-from steering_core.compiled import kernel
 from vehicle_model.bicycle import (
     checked_speed,
     continuous,
@@ -65,66 +63,3 @@ def constants(p: Mapping[str, float], load: Load, period: float) -> dict[str, fl
         named[f"{name}_by_sideslip"], named[f"{name}_by_curvature"] = transition[:2]
         named[f"{name}_by_position"], named[f"{name}_by_rise"] = held, slope
     return {name: float(value) for name, value in named.items()}
-
-
-@kernel
-def vehicle_step(
-    par: np.ndarray,
-    external: np.ndarray,
-    state: np.ndarray,
-    out: np.ndarray,
-    tick: int,
-    x: float,
-    v: float,
-    F: float,
-) -> None:
-    """Move the vehicle to ``tick`` and write the rack's load to ``out``, [N, N/m, m].
-
-    ``x`` [m] is the measured rack displacement of the same tick; rack speed ``v`` and force ``F``
-    are measured too, but not needed. ``external`` [N] holds one rack force for each tick, the last
-    one is kept past the end. Every kind of load runs through these lines: the kinds differ in the
-    constants alone. All terms are odd in x, so that left and right mirror each other exactly.
-    """
-    p = par[0]
-    if tick > 0:
-        _advance(par, state, x)
-    state[5] = x
-    out[0] = (
-        p.force_by_sideslip * state[0]
-        + p.force_by_curvature * state[1]
-        + p.force_by_position * x
-        + external[min(tick, external.shape[0] - 1)]
-    )
-    out[1] = p.stiffness
-    out[2] = x
-
-
-@kernel
-def _advance(par: np.ndarray, state: np.ndarray, x: float) -> None:
-    p = par[0]
-    sideslip, curvature, heading, position = state[0], state[1], state[2], state[5]
-    rise = x - position
-    state[0] = (
-        p.sideslip_by_sideslip * sideslip
-        + p.sideslip_by_curvature * curvature
-        + p.sideslip_by_position * position
-        + p.sideslip_by_rise * rise
-    )
-    state[1] = (
-        p.curvature_by_sideslip * sideslip
-        + p.curvature_by_curvature * curvature
-        + p.curvature_by_position * position
-        + p.curvature_by_rise * rise
-    )
-    state[2] = heading + (
-        p.heading_by_sideslip * sideslip
-        + p.heading_by_curvature * curvature
-        + p.heading_by_position * position
-        + p.heading_by_rise * rise
-    )
-    # The path is the one nonlinear part: trapezoidal rule, nanometres a tick at 70 km/h.
-    half = 0.5 * p.period * p.speed
-    cos0, sin0 = math.cos(heading), math.sin(heading)
-    cos1, sin1 = math.cos(state[2]), math.sin(state[2])
-    state[3] += half * ((cos0 - sideslip * sin0) + (cos1 - state[0] * sin1))
-    state[4] += half * ((sin0 + sideslip * cos0) + (sin1 + state[0] * cos1))

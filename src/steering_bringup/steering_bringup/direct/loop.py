@@ -10,7 +10,7 @@ from driver_model.lead_lag import driver_step
 from pressure_control.controller import controller_step
 from steering_core.compiled import kernel
 from steering_plant.model.step import plant_step, report_truth
-from vehicle_model.motion import vehicle_step
+from vehicle_model.model.step import vehicle_step
 
 MEASURED, DRIVER, LEFT_VALVE, RIGHT_VALVE, LOAD, TRUTH, MOTION = range(7)
 """Positions in the tuple of traces."""
@@ -81,7 +81,7 @@ def run_ticks(start, stop, last, plant, left, right, driver, vehicle, delays, be
     work, flows, out = plant[8], plant[9], plant[12]
     closed = par[0].closed_centre > 0.0
     driver_par, reference, hands_on, driver_state, driver_out = driver
-    vehicle_par, external, vehicle_state, vehicle_out = vehicle
+    vehicle_par, external, vehicle_e, vehicle_state, vehicle_out = vehicle
     for tick in range(start, stop):
         row = tick + before
         keep(out, measured, row)
@@ -114,6 +114,7 @@ def run_ticks(start, stop, last, plant, left, right, driver, vehicle, delays, be
         vehicle_step(
             vehicle_par,
             external,
+            vehicle_e,
             vehicle_state,
             vehicle_out,
             tick,
@@ -123,7 +124,8 @@ def run_ticks(start, stop, last, plant, left, right, driver, vehicle, delays, be
         )
         keep(vehicle_out, load, row)
         if tick % MOTION_PERIOD == 0:
-            keep(vehicle_state, motion, tick // MOTION_PERIOD)
+            for i in range(motion.shape[1]):
+                motion[tick // MOTION_PERIOD, i] = vehicle_state[i]
 
         if tick + 1 < last:
             left_force, right_force = 0.0, 0.0

@@ -155,7 +155,7 @@ def _arrays(cores: Cores) -> tuple[tuple[np.ndarray, ...], ...]:
         _controller_arrays(cores.left),
         _controller_arrays(cores.right),
         (driver.par, driver.reference, driver.hands_on, driver.state, driver.out),
-        (vehicle.par, vehicle.external, vehicle.state, vehicle.out),
+        (vehicle.par, vehicle.external, vehicle.effects, vehicle.state, vehicle.out),
     )
 
 

@@ -47,7 +47,7 @@ def open_centre_rates(p, table, time, y, dy, torque, flows, e):
     supplied = slots.pump_flow(p.pump_flow, time, y, e)
     stroke = p.piston_area * y[VELOCITY]
 
-    pump_net = supplied - relief_flow(p, pump) - to_right - to_left
+    pump_net = supplied - relief_flow(p, pump) - (to_right + to_left)
     dy[PUMP] = chamber.stiffness(p, pump, y, e) / p.pump_volume * pump_net
     left_rate = chamber.stiffness(p, left, y, e) / chamber.left_volume(p, y, e)
     right_rate = chamber.stiffness(p, right, y, e) / chamber.right_volume(p, y, e)

@@ -42,6 +42,14 @@ CLOSED_CENTRE_NAMES = (
 DRIVER_TORQUE, LEFT_SOLENOID, RIGHT_SOLENOID = 0, 1, 2
 LOAD_FORCE, LOAD_STIFFNESS, LOAD_POSITION = 3, 4, 5
 INPUTS = 6
+INPUT_NAMES = (
+    "driver_torque",
+    "left_solenoid",
+    "right_solenoid",
+    "load_force",
+    "load_stiffness",
+    "load_position",
+)
 
 # Positions in the vector of flows that the right-hand side leaves behind [m3/s].
 LEFT_FLOW, RIGHT_FLOW, SUPPLY_FLOW = 0, 1, 2

@@ -1,0 +1,66 @@
+"""The plant as a node: the clock of the bench.
+
+Parameters: any of the data sheet, ``valve_system`` (open_centre or closed_centre), ``boost_curve``
+(a CSV file in place of the formula).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rclpy.context import Context
+
+from steering_lockstep.clock_node import ClockNode
+from steering_lockstep.core_parameters import check_own, parameter_set
+from steering_lockstep.graph import NodeSpec
+from steering_lockstep.ports import Ports
+from steering_lockstep.settings import RunSettings
+from steering_lockstep.standalone import spin_alone
+from steering_plant.boost_curve import FORMULA, boost_table
+from steering_plant.plant import Plant
+
+TRUTH = "/truth/plant"
+
+
+class PlantNode(ClockNode):
+    """Publishes what is measured at each tick and, where the node set asks, the true states."""
+
+    ports = Ports(
+        takes=(
+            ("/driver/torque", "torque"),
+            ("/valve/left/command", "solenoid_force"),
+            ("/valve/right/command", "solenoid_force"),
+            ("/vehicle/rack_force", "force"),
+            ("/vehicle/rack_force", "stiffness"),
+            ("/vehicle/rack_force", "position"),
+        ),
+        gives=("/steering/torque", "/steering/pressure", "/steering/rack", "/clock"),
+        optional=frozenset({"/valve/left/command", "/valve/right/command"}),
+    )
+
+    def publish(self, tick: int, out: Sequence[float]) -> None:
+        """Publish the measurements and the true states of ``tick``."""
+        if TRUTH in self.emit:
+            self.emit[TRUTH](tick, self.core.truth(tick).tolist())
+        super().publish(tick, out)
+
+
+def build_plant(values: Mapping[str, Any]) -> Plant:
+    """Return the plant of a node's parameter values."""
+    check_own(values, ("valve_system", "boost_curve"), ("effects",))
+    curve = values.get("boost_curve")
+    table = FORMULA if curve is None else boost_table(curve)
+    return Plant(parameter_set(values), values.get("valve_system", "closed_centre"), table)
+
+
+def make(
+    context: Context, spec: NodeSpec, run: RunSettings, parameters: Mapping[str, Any] | None
+) -> PlantNode:
+    """Return the plant's node for a run."""
+    return PlantNode(context, spec, run, parameters, build_plant)
+
+
+def main() -> None:
+    """Run the plant alone in a process."""
+    spin_alone("plant", make)

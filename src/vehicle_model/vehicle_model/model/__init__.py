@@ -1,0 +1,1 @@
+"""The vehicle's kernels; they import each other relatively (see steering_core.specialise)."""
