@@ -15,7 +15,9 @@ SECONDS_PER_TICK = 1e-3
 def common_ticks(traces: Iterable[Trace], topics: Iterable[str]) -> np.ndarray:
     """Ticks (n,) int64 that every one of `topics` has in every trace; BagError if none."""
     traces, topics = list(traces), list(topics)
-    sets = [np.unique(trace[topic]["tick"].astype(np.int64)) for trace in traces for topic in topics]
+    sets = [
+        np.unique(trace[topic]["tick"].astype(np.int64)) for trace in traces for topic in topics
+    ]
     if not sets:
         raise BagError(f"{' and '.join(t.name for t in traces)} share no signal to compare")
     ticks = reduce(np.intersect1d, sets)

@@ -6,7 +6,7 @@ import numpy as np
 
 from steering_bringup.comparison.result import Comparison
 from steering_bringup.comparison.signals import BY_KEY
-from steering_bringup.comparison.verdict import limit
+from steering_bringup.comparison.verdict import limit, situation
 from steering_bringup.pages import Axes, Curve, Figure
 
 OPEN, CLOSED, DIFFERENCE = "#1b2530", "#2f7fd6", "#c2530c"
@@ -37,7 +37,7 @@ def assistance_pressure(result: Comparison) -> Figure | None:
     error = _error(result, "assistance_pressure", title="Difference")
     against = _against_speed(result, "assistance_pressure")
     return Figure(
-        "Assistance pressure (as figure 8.2)",
+        "Assistance pressure" + _as(result, on_centre="8.2", dry_park="8.6"),
         [[both], [error, against] if against else [error]],
         "Pressure that pushes the rack: right minus left chamber.",
         widths=(1.25, 1.0),
@@ -52,7 +52,7 @@ def steering_wheel_torque(result: Comparison) -> Figure | None:
     if "steering_wheel_angle" in result.signals:
         rows[0].append(_loop(result, "steering_wheel_angle", "steering_wheel_torque"))
     return Figure(
-        "Steering wheel torque (as figure 8.3)",
+        "Steering wheel torque" + _as(result, on_centre="8.3"),
         rows,
         "Torque of the driver on the steering wheel. The curves lie on each other where the two "
         "systems feel the same.",
@@ -69,7 +69,7 @@ def torque_difference(result: Comparison) -> Figure | None:
     lower = [_against_speed(result, key), _growth_axes(result, key)]
     rows = [[_error(result, key, title="Over time")], [axes for axes in lower if axes]]
     return Figure(
-        "Steering wheel torque difference (as figure 8.4)",
+        "Steering wheel torque difference" + _as(result, on_centre="8.4"),
         [row for row in rows if row],
         _growth_caption(result, key),
     )
@@ -82,7 +82,7 @@ def chamber_pressures(result: Comparison) -> Figure | None:
         return None
     rows = [[_both(result, k, BY_KEY[k].title) for k in keys]]
     rows.append([_error(result, k, BY_KEY[k].title + ", difference") for k in keys])
-    return Figure("Chamber pressures (as figure 8.5)", rows, height=270)
+    return Figure("Chamber pressures" + _as(result, on_centre="8.5"), rows, height=270)
 
 
 def motion(result: Comparison) -> Figure | None:
@@ -113,6 +113,14 @@ def supply(result: Comparison) -> Figure | None:
         [axes],
         f"Hydraulic power at the supply port, averaged over {POWER_WINDOW_S:g} s.",
     )
+
+
+def _as(result: Comparison, on_centre: str = "", dry_park: str = "") -> str:
+    """Which figure of the source this one redraws, if the runs are those of that figure."""
+    if set(result.systems) != {"open-centre", "closed-centre"}:
+        return ""
+    number = {"on-centre": on_centre, "dry park": dry_park}.get(situation(result), "")
+    return f" (as figure {number})" if number else ""
 
 
 def _power(time: np.ndarray, energy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -242,9 +250,7 @@ def _growth_axes(result: Comparison, key: str) -> Axes | None:
         f"Largest difference [{BY_KEY[key].shown_unit}]",
         [
             Curve(ends, rest + slope * ends, colour="#9aa5b1", dash="dot", width=1.4),
-            Curve(
-                growth.frequency, peak, colour=DIFFERENCE, mode="lines+markers", over_time=False
-            ),
+            Curve(growth.frequency, peak, colour=DIFFERENCE, mode="lines+markers", over_time=False),
         ],
         "Against the frequency of steering",
         y_range=(min(0.0, float(rest)), float(peak.max()) * 1.1) if peak.max() > 0 else None,
@@ -253,12 +259,10 @@ def _growth_axes(result: Comparison, key: str) -> Axes | None:
 
 def _growth_caption(result: Comparison, key: str) -> str:
     growth = result.growths.get(key)
-    second, first = result.names[1], result.names[0]
-    text = f"{second} minus {first}."
     if growth is None:
-        return text + " Its growth with frequency cannot be judged: too few half-cycles."
+        return "Its growth with frequency cannot be judged: too few half-cycles of steering."
     share = max(0.0, growth.static_share)
-    return text + (
-        f" A point to the lower right is a half-cycle of steering; the line through them leaves "
-        f"{share:.0%} of the largest difference at zero frequency."
+    return (
+        "Lower right: the largest difference of each half-cycle of steering. A straight line "
+        f"through these points leaves {share:.0%} of it at zero frequency."
     )

@@ -9,6 +9,7 @@ valves' dynamics is next to nothing in slow half-cycles and rises with frequency
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -74,12 +75,10 @@ def growth(time: np.ndarray, angle: np.ndarray, error: np.ndarray) -> Growth | N
     if frequency.max() < MINIMUM_FREQUENCY_RATIO * frequency.min():
         return None
     edges = np.searchsorted(time, bounds)
-    peak = np.array([np.max(np.abs(error[a:b])) for a, b in zip(edges, edges[1:], strict=False)])
+    peak = np.array([np.max(np.abs(error[a:b])) for a, b in pairwise(edges)])
     _, rest = np.polyfit(frequency, peak, 1)
     static = float(rest / peak.max()) if peak.max() > 0.0 else 0.0
-    return Growth(
-        0.5 * (bounds[1:] + bounds[:-1]), frequency, peak, _rank(frequency, peak), static
-    )
+    return Growth(0.5 * (bounds[1:] + bounds[:-1]), frequency, peak, _rank(frequency, peak), static)
 
 
 def _rank(x: np.ndarray, y: np.ndarray) -> float:
@@ -105,7 +104,7 @@ def bands(error: np.ndarray, step: float) -> list[tuple[float, float, float]]:
     power = spectrum * double
     edges = [*BAND_EDGES_HZ[:-1], np.inf]
     result = []
-    for k, (low, high) in enumerate(zip(edges, edges[1:], strict=False)):
+    for k, (low, high) in enumerate(pairwise(edges)):
         inside = (frequency >= low) & (frequency < high)
         result.append((low, BAND_EDGES_HZ[k + 1], float(np.sqrt(np.sum(power[inside])))))
     return result

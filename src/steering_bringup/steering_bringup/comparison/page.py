@@ -33,6 +33,7 @@ def comparison_page(result: Comparison) -> Page:
     for note in result.notes:
         page.add(paragraph(note, "note"))
     page.add(table(_head(result), _rows(result)))
+    page.add(table(("Energy", "Unit", first, second, "Difference"), _energy_rows(result)))
     page.heading(
         "Figures",
         f"Differences are {second} minus {first}, tick by tick; nothing is filtered or resampled. "
@@ -72,28 +73,30 @@ def _footer(result: Comparison) -> str:
 
 
 def _cards(result: Comparison) -> list[Card]:
-    made = [_difference_card(result, "assistance_pressure", "Assistance pressure difference")]
-    made.append(_difference_card(result, "steering_wheel_torque", "Steering wheel torque difference"))
+    keys = ("assistance_pressure", "steering_wheel_torque")
+    made = [_difference_card(result, k, f"{BY_KEY[k].title} difference") for k in keys]
     found = [card for card in made if card is not None]
     powers = [e.mean_power for e in result.energies]
-    for name, power, other in zip(result.names, powers, reversed(powers), strict=True):
+    for name, power in zip(result.names, powers, strict=True):
         if power is not None:
             found.append(
                 Card(
                     f"Hydraulic power, {name}",
                     f"{power:.0f}",
                     "W",
-                    _relative(power, other, "the other"),
+                    _relative(name, power, result),
                 )
             )
     return found
 
 
-def _relative(value: float, other: float | None, name: str) -> str:
-    if not other:
-        return "mean"
-    share = value / other - 1.0
-    return f"mean; {abs(share):.0%} {'more' if share > 0 else 'less'} than {name}"
+def _relative(name: str, power: float, result: Comparison) -> str:
+    """Mean power against the first run's, where that is known."""
+    reference = result.energies[0].mean_power
+    if name == result.names[0] or not reference:
+        return f"mean over {result.duration:.1f} s"
+    share = power / reference - 1.0
+    return f"{abs(share):.0%} {'more' if share > 0 else 'less'} than {result.names[0]}"
 
 
 def _difference_card(result: Comparison, key: str, title: str) -> Card | None:
@@ -118,17 +121,22 @@ def _head(result: Comparison) -> tuple[str, ...]:
         "Largest difference",
         "at [s]",
         "Rms difference",
-        "Limit",
+        *(("Limit",) if _limited(result) else ()),
     )
 
 
+def _limited(result: Comparison) -> bool:
+    return any(limit(result, key) is not None for key in result.differences)
+
+
 def _rows(result: Comparison) -> list[tuple[str, ...]]:
+    limits = {s.key: limit(result, s.key) for s in SIGNALS}
+    bounds = {k: "" if v is None else f"{v * BY_KEY[k].scale:g}" for k, v in limits.items()}
     rows = []
     for signal in SIGNALS:
         item = result.differences.get(signal.key)
         if item is None:
             continue
-        bound = limit(result, signal.key)
         values = (*item.peaks, item.largest)
         a, b, largest = (shown(signal.key, value) for value in values)
         rows.append(
@@ -140,10 +148,9 @@ def _rows(result: Comparison) -> list[tuple[str, ...]]:
                 largest,
                 f"{item.at:.3f}",
                 shown(signal.key, item.rms),
-                "" if bound is None else f"{bound * signal.scale:g}",
+                *((bounds[signal.key],) if _limited(result) else ()),
             )
         )
-    rows += _energy_rows(result)
     return rows
 
 
@@ -152,7 +159,7 @@ def _energy_rows(result: Comparison) -> list[tuple[str, ...]]:
         texts = ["not known" if v is None else f"{v:.{digits}f}" for v in pair]
         a, b = pair
         error = "" if a is None or b is None else f"{b - a:+.{digits}f}"
-        return (title, unit, *texts, error, "", "", "")
+        return (title, unit, *texts, error)
 
     energies = result.energies
     supplies = [None if e.supply is None else e.supply * 1e-3 for e in energies]

@@ -106,5 +106,5 @@ def has(trace: Trace, signal: Signal) -> bool:
 
 
 def valve_system(trace: Trace) -> str:
-    """"closed-centre" if the run has valve commands, else "open-centre"."""
+    """ "closed-centre" if the run has valve commands, else "open-centre"."""
     return "closed-centre" if "/valve/left/command" in trace else "open-centre"

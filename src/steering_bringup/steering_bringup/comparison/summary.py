@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from textwrap import fill
+
 from steering_bringup.comparison.result import Comparison
 from steering_bringup.comparison.signals import BY_KEY, SIGNALS
 from steering_bringup.comparison.verdict import limit, shown, verdict
@@ -12,8 +14,8 @@ _KEYS = [signal.key for signal in SIGNALS]
 def summary(result: Comparison) -> str:
     """Key numbers in lines of at most 100 characters, without colour."""
     first, second = result.names
-    lines = [verdict(result).sentence, ""]
-    lines.append(f"{'difference':<22} {'largest':>10} {'rms':>10}  {'at':>9}   limit")
+    lines = [fill(verdict(result).sentence, 100), ""]
+    lines.append(f"{'difference':<22} {'largest':>10} {'rms':>10}  {'':<6} {'at':>10}   limit")
     lines += [_signal_line(result, key) for key in _KEYS if key in result.differences]
     lines += ["", f"{'':<22} {first:>14} {second:>14}"]
     powers = [e.mean_power for e in result.energies]
@@ -31,12 +33,10 @@ def _signal_line(result: Comparison, key: str) -> str:
     limit_text = "" if bound is None else f"{bound * signal.scale:g} {signal.shown_unit}"
     return (
         f"{signal.title.lower():<22} {shown(key, item.largest):>10} {shown(key, item.rms):>10}"
-        f"  {item.at:>7.3f} s   {signal.shown_unit:<6} {limit_text}"
+        f"  {signal.shown_unit:<6} {item.at:>8.3f} s   {limit_text}"
     )
 
 
-def _pair_line(
-    title: str, values: list[float | None], unit: str, scale: float, digits: int
-) -> str:
+def _pair_line(title: str, values: list[float | None], unit: str, scale: float, digits: int) -> str:
     texts = ["not known" if v is None else f"{v * scale:.{digits}f} {unit}" for v in values]
     return f"{title:<22} {texts[0]:>14} {texts[1]:>14}"

@@ -9,7 +9,7 @@ from steering_bringup.comparison.result import Comparison
 from steering_bringup.comparison.signals import BY_KEY
 
 LIMITS = {"assistance_pressure": 1.0e5, "steering_wheel_torque": 0.1}
-"""Largest differences of a closed-centre from an open-centre system on-centre, SI (figs 8.2, 8.4)."""
+"""Largest differences of closed-centre from open-centre, on-centre, SI (figs 8.2 and 8.4)."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,9 @@ class Verdict:
 
 def limit(result: Comparison, key: str) -> float | None:
     """The limit of a signal's difference, SI; None if the pair is not the one it was set for."""
-    if set(result.systems) != {"open-centre", "closed-centre"} or not _on_centre(result):
+    if set(result.systems) != {"open-centre", "closed-centre"}:
+        return None
+    if situation(result) != "on-centre":
         return None
     return LIMITS.get(key)
 
@@ -40,7 +42,9 @@ def verdict(result: Comparison) -> Verdict:
         parts.append(text)
         within.append(good)
     judged = [good for good in within if good is not None]
-    sentence = f"{_opening(result, all(judged) if judged else None)}: {' and '.join(parts)}"
+    opening = _opening(result, all(judged) if judged else None)
+    sentence = f"{opening}: they differ in {' and in '.join(parts)}" if parts else opening
+    sentence = sentence[:1].upper() + sentence[1:]
     return Verdict(sentence + _growth_text(result) + ".", all(judged) if judged else None)
 
 
@@ -56,10 +60,10 @@ def _opening(result: Comparison, good: bool | None) -> str:
 def _part(result: Comparison, key: str) -> tuple[str, bool | None]:
     signal, bound = BY_KEY[key], limit(result, key)
     value = result.differences[key].largest
-    text = f"{signal.title.lower()} within {shown(key, value)} {signal.shown_unit}"
+    text = f"{signal.title.lower()} by at most {shown(key, value)} {signal.shown_unit}"
     if bound is None:
         return text, None
-    return f"{text} (limit {bound * signal.scale:g})", value <= bound
+    return f"{text} (limit {bound * signal.scale:g} {signal.shown_unit})", value <= bound
 
 
 def _growth_text(result: Comparison) -> str:
@@ -77,12 +81,12 @@ def shown(key: str, value: float) -> str:
     return f"{value * signal.scale:.{signal.digits}f}"
 
 
-def _on_centre(result: Comparison) -> bool:
-    """Whether both runs say that they are on-centre sweeps on the road, or do not say."""
-    return all(
-        _kind(trace, "manoeuvre") in ("", "on_centre") and _kind(trace, "load") in ("", "bicycle")
-        for trace in result.traces
-    )
+def situation(result: Comparison) -> str:
+    """What both runs say they are: "on-centre" (also if they do not say), "dry park", or ""."""
+    kinds = {(_kind(trace, "manoeuvre"), _kind(trace, "load")) for trace in result.traces}
+    if all(m in ("", "on_centre") and load in ("", "bicycle") for m, load in kinds):
+        return "on-centre"
+    return "dry park" if all(load == "dry_park" for _, load in kinds) else ""
 
 
 def _kind(trace: Trace, part: str) -> str:

@@ -10,9 +10,7 @@ import numpy as np
 MOST_POINTS = 4000
 
 
-def thin(
-    x: np.ndarray, y: np.ndarray, most: int = MOST_POINTS
-) -> tuple[np.ndarray, np.ndarray]:
+def thin(x: np.ndarray, y: np.ndarray, most: int = MOST_POINTS) -> tuple[np.ndarray, np.ndarray]:
     """At most about `most` points of a curve (n,) over a rising x, keeping every extreme.
 
     Each stretch of samples gives its smallest and its largest value, in their order.

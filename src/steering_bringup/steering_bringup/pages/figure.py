@@ -11,6 +11,10 @@ import numpy as np
 from steering_bringup.pages.arrays import every, packed, thin
 
 FONT = "Inter, 'Segoe UI', system-ui, -apple-system, 'Helvetica Neue', Arial, sans-serif"
+Spans = tuple[tuple[float, float], tuple[float, float]]
+"""Share of a figure's width and of its height, from and to."""
+
+COLOUR_BAR = 0.055  # share of the width that a colour bar with its title takes
 INK, GRID, MUTED = "#1b2530", "#e6eaef", "#5b6876"
 
 
@@ -87,25 +91,28 @@ class Figure:
             f"<div class='plot' id='{identifier}' style='height:{height}px'></div></section>"
         )
 
-    def _spans(self, row: int, column: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    def _spans(self, row: int, column: int) -> Spans:
         """Share of the figure's width and height that an axes takes."""
         count = len(self.rows[row])
         shares = np.array(self.widths if len(self.widths) == count else (1.0,) * count)
-        gap = 0.09 if count == 2 else 0.075
+        gap = 0.09
         widths = shares / shares.sum() * (1.0 - gap * (count - 1))
         left = float(widths[:column].sum() + gap * column)
         lines = len(self.rows)
         space = 0.0 if lines == 1 else 0.20 / (lines - 1) if lines > 2 else 0.17
         height = (1.0 - space * (lines - 1)) / lines
         top = 1.0 - row * (height + space)
-        return (left, left + float(widths[column])), (max(0.0, top - height), top)
+        right = left + float(widths[column])
+        if any(curve.shade is not None for curve in self.rows[row][column].curves):
+            right -= COLOUR_BAR
+        return (left, right), (max(0.0, top - height), top)
 
     def _add_axes(
         self,
         layout: dict[str, Any],
         axes: Axes,
         suffix: str,
-        spans: tuple[tuple[float, float], tuple[float, float]],
+        spans: Spans,
         places: dict[str, str],
     ) -> None:
         horizontal = _axis(axes.x_title) | {"domain": list(spans[0]), "anchor": f"y{suffix}"}
@@ -127,7 +134,7 @@ class Figure:
         self,
         curve: Curve,
         suffix: str,
-        spans: tuple[tuple[float, float], tuple[float, float]],
+        spans: Spans,
     ) -> dict[str, Any]:
         if curve.over_time and curve.shade is None:
             x, y = thin(np.asarray(curve.x, float), np.asarray(curve.y, float))
@@ -157,14 +164,29 @@ class Figure:
 def _base_layout(height: int) -> dict[str, Any]:
     return {
         "height": height,
-        "margin": {"l": 64, "r": 24, "t": 44, "b": 48},
+        "margin": {"l": 78, "r": 40, "t": 56, "b": 48},
         "font": {"family": FONT, "size": 12.5, "color": INK},
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "#ffffff",
         "hovermode": "closest",
         "hoverlabel": {"font": {"family": FONT, "size": 12}},
-        "legend": {"orientation": "h", "x": 1, "xanchor": "right", "y": 1, "yanchor": "bottom"}
-        | {"yref": "container", "bgcolor": "rgba(0,0,0,0)"},
+        "legend": {
+            "orientation": "h",
+            "traceorder": "reversed",
+            "x": 1,
+            "xanchor": "right",
+            "y": 0.995,
+            "yanchor": "top",
+            "yref": "container",
+            "bgcolor": "rgba(0,0,0,0)",
+            "font": {"size": 13},
+        },
+        "modebar": {
+            "orientation": "v",
+            "bgcolor": "rgba(255,255,255,0.85)",
+            "color": "#aab4bf",
+            "activecolor": INK,
+        },
         "shapes": [],
         "annotations": [],
     }
@@ -198,7 +220,7 @@ def _limit_line(value: float, suffix: str) -> dict[str, Any]:
     }
 
 
-def _axes_title(text: str, spans: tuple[tuple[float, float], tuple[float, float]]) -> dict[str, Any]:
+def _axes_title(text: str, spans: Spans) -> dict[str, Any]:
     return {
         "text": f"<b>{html.escape(text)}</b>",
         "xref": "paper",
@@ -213,9 +235,7 @@ def _axes_title(text: str, spans: tuple[tuple[float, float], tuple[float, float]
     }
 
 
-def _shaded(
-    shade: np.ndarray, title: str, spans: tuple[tuple[float, float], tuple[float, float]]
-) -> dict[str, Any]:
+def _shaded(shade: np.ndarray, title: str, spans: Spans) -> dict[str, Any]:
     bottom, top = spans[1]
     return {
         "size": 3.5,

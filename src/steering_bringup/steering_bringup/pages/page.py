@@ -11,6 +11,12 @@ from pathlib import Path
 from steering_bringup.errors import BenchError
 from steering_bringup.pages.figure import Figure
 
+# The browser itself refuses whatever the page might want to load from elsewhere.
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; font-src data:"
+)
+
 
 @dataclass
 class Page:
@@ -41,12 +47,13 @@ class Page:
     def render(self) -> str:
         """The whole file. Nothing in it is loaded from anywhere else."""
         data = {name: figure.data() for name, figure in self._figures.items()}
-        # "</" would end the script element, wherever it stands in a text.
-        figures = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+        # A "<" in a text could end the script element or open a comment in it.
+        figures = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
         kind = {True: "good", False: "bad", None: "neutral"}[self.good]
         return "".join(
             [
                 "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
+                f"<meta http-equiv='Content-Security-Policy' content=\"{POLICY}\">",
                 "<meta name='viewport' content='width=device-width, initial-scale=1'>",
                 f"<title>{html.escape(self.title)}</title>",
                 "<link rel='icon' href='data:,'>",
