@@ -1,7 +1,7 @@
 """The plant as a node: the clock of the bench.
 
 Parameters: any of the data sheet, ``valve_system`` (open_centre or closed_centre), ``boost_curve``
-(a CSV file in place of the formula).
+(a CSV file in place of the formula), ``effects.EFFECT.PARAMETER``.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 from rclpy.context import Context
 
 from steering_lockstep.clock_node import ClockNode
-from steering_lockstep.core_parameters import check_own, parameter_set
+from steering_lockstep.core_parameters import check_own, effects_of, parameter_set
 from steering_lockstep.graph import NodeSpec
 from steering_lockstep.ports import Ports
 from steering_lockstep.settings import RunSettings
@@ -51,7 +51,8 @@ def build_plant(values: Mapping[str, Any]) -> Plant:
     check_own(values, ("valve_system", "boost_curve"), ("effects",))
     curve = values.get("boost_curve")
     table = FORMULA if curve is None else boost_table(curve)
-    return Plant(parameter_set(values), values.get("valve_system", "closed_centre"), table)
+    valve_system = values.get("valve_system", "closed_centre")
+    return Plant(parameter_set(values), valve_system, table, effects_of(values))
 
 
 def make(

@@ -1,6 +1,7 @@
 """The vehicle as a node: the rack's load on every tick, standard messages for viewers at 100 Hz.
 
-Parameters: any of the data sheet, ``load.kind`` and the fields of that load.
+Parameters: any of the data sheet, ``load.kind`` and the fields of that load,
+``effects.EFFECT.PARAMETER``.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import Any
 
 from rclpy.context import Context
 
-from steering_lockstep.core_parameters import check_own, parameter_set
+from steering_lockstep.core_parameters import check_own, effects_of, parameter_set
 from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports, section
@@ -19,6 +20,7 @@ from steering_lockstep.settings import RunSettings
 from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import topic, wire
 from vehicle_model.loads import make_load
+from vehicle_model.model import slots, step
 from vehicle_model.vehicle import Imu, Odometry, Vehicle
 
 ODOMETRY = "/vehicle/odometry"
@@ -86,10 +88,21 @@ def vehicle_builder(ticks: int) -> Callable[[Mapping[str, Any]], Vehicle]:
     """Return the function that makes the vehicle of a node's parameter values."""
 
     def build(values: Mapping[str, Any]) -> Vehicle:
-        check_own(values, ("duration",), ("load",))
-        return Vehicle(parameter_set(values), make_load(**section(values, "load")), ticks)
+        check_own(values, ("duration",), ("load", "effects"))
+        load = make_load(**section(values, "load"))
+        return Vehicle(parameter_set(values), load, ticks, *with_effects(effects_of(values)))
 
     return build
+
+
+def with_effects(effects: Mapping[str, Mapping[str, float]]) -> tuple[Any, ...]:
+    """Return what a Vehicle takes for ``effects``; those of other models are passed over."""
+    if not effects:
+        return ()
+    from steering_plant.effects.models import vehicle_model
+
+    model, added = vehicle_model(effects, slots, step)
+    return model, added.values, added.rests
 
 
 def make(
