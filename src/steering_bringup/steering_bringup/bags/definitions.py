@@ -6,7 +6,7 @@ import os
 from functools import cache, lru_cache
 from pathlib import Path
 
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from steering_bringup.bags.errors import BagError
@@ -69,7 +69,10 @@ def _standard_types() -> Typestore:
 
 
 def typestore_of(definitions: dict[str, str]) -> Typestore:
-    """A type store from the definitions that a bag carries (type -> definition text)."""
+    """A type store from the definitions that a bag carries (type -> definition text).
+
+    Definitions that cannot be parsed are left out.
+    """
     return _typestore_of(tuple(sorted(definitions.items())))
 
 
@@ -77,6 +80,10 @@ def typestore_of(definitions: dict[str, str]) -> Typestore:
 def _typestore_of(definitions: tuple[tuple[str, str], ...]) -> Typestore:
     store = get_typestore(Stores.EMPTY)
     for name, text in definitions:
-        types = get_types_from_msg(text, name)
+        try:
+            types = get_types_from_msg(text, name)
+        except TypesysError:
+            # Messages of a type that cannot be understood are kept as bytes.
+            continue
         store.register({n: t for n, t in types.items() if n not in store.fielddefs})
     return store

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import mmap
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from steering_bringup.bags.errors import BagError
 from steering_bringup.bags.foreign import read_foreign
 from steering_bringup.bags.messages import add_opaque, add_rows
 from steering_bringup.bags.recovery import repair
-from steering_bringup.bags.scan import LOG_TIME, PAYLOAD, Channel, Scan, gather, scan
+from steering_bringup.bags.scan import LOG_TIME, PAYLOAD, Scan, gather, map_file, scan
 from steering_bringup.bags.trace import Trace
 from steering_bringup.bags.writer import OUTCOME_KEY, RUN_FILE, RUN_KEY
 
@@ -70,10 +69,9 @@ def mcap_file(path: Path) -> Path | None:
 
 def read_mcap(file: Path) -> Trace:
     """Read one MCAP file, complete or not."""
-    data = map_file(file)
     try:
-        found = scan(data)
-    except ValueError as error:
+        found = scan(map_file(file))
+    except (OSError, ValueError) as error:
         raise BagError(f"'{file}' cannot be read: {error}") from error
     if found.damage and not found.message_count:
         raise BagError(f"'{file}' holds no whole message: {'; '.join(found.damage)}")
@@ -96,17 +94,6 @@ def _damage_note(trace: Trace, found: Scan) -> str:
     until = "" if last is None else f" up to tick {last}"
     text = "; ".join(found.damage)
     return f"not complete ({text}): {found.message_count} messages{until} were recovered"
-
-
-def map_file(file: Path) -> memoryview:
-    """A file's bytes without reading them into memory."""
-    try:
-        with file.open("rb") as handle:
-            if file.stat().st_size == 0:
-                return memoryview(b"")
-            return memoryview(mmap.mmap(handle.fileno(), 0, access=mmap.ACCESS_READ))
-    except OSError as error:
-        raise BagError(f"'{file}' cannot be read: {error.strerror}") from error
 
 
 def _payloads(found: Scan, channel: int) -> tuple[np.ndarray, np.ndarray | list[bytes]]:
@@ -148,5 +135,3 @@ def _yaml(file: Path) -> Any:
 
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
-__all__ = ["Channel", "read_bag", "read_mcap", "read_run"]

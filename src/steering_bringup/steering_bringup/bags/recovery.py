@@ -13,7 +13,7 @@ import yaml
 
 from steering_bringup.bags.append_file import is_being_written
 from steering_bringup.bags.errors import BagError
-from steering_bringup.bags.scan import PAYLOAD, Block, Scan, gather, scan
+from steering_bringup.bags.scan import PAYLOAD, Block, Scan, gather, map_file, scan
 from steering_bringup.bags.writer import RUN_FILE, BagWriter
 
 DAMAGED_SUFFIX = ".damaged"
@@ -67,9 +67,9 @@ def repair(path: str | Path) -> Recovery:
 
 
 def _scan(file: Path) -> Scan:
-    """Scan a copy in memory: the file itself gets another name while its messages are used."""
+    """Find what is whole in a file; the bytes stay mapped while the file gets another name."""
     try:
-        return scan(memoryview(file.read_bytes()))
+        return scan(map_file(file))
     except (OSError, ValueError) as error:
         raise BagError(f"'{file}' cannot be repaired: {error}") from error
 

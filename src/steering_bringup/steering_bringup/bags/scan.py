@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import mmap
 import struct
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -230,6 +232,14 @@ def _decompress(name: str, packed: memoryview) -> memoryview:
     if not name:
         return packed
     return memoryview(DECOMPRESSORS[name](packed.tobytes(), 0))
+
+
+def map_file(file: Path) -> memoryview:
+    """A file's bytes without reading them into memory; they outlive its renaming. OSError."""
+    with file.open("rb") as handle:
+        if file.stat().st_size == 0:
+            return memoryview(b"")
+        return memoryview(mmap.mmap(handle.fileno(), 0, access=mmap.ACCESS_READ))
 
 
 def gather(content: memoryview, offsets: np.ndarray, dtype: np.dtype[Any]) -> np.ndarray:
