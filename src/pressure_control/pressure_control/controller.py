@@ -19,7 +19,7 @@ from pressure_control.reference import (
     mirrored,
     reference_pressures,
 )
-from pressure_control.schedule import flow_feed_forward, scheduled_poles
+from pressure_control.schedule import flow_feed_forward, opening_for_flow, scheduled_poles
 from pressure_control.stability import check_sampled_stability
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterSet
@@ -64,14 +64,17 @@ def controller_step(
     # What the valve's gains are computed for keeps clear of the ends, where one edge has none.
     working = bounded(pressure, p.atmospheric_pressure, highest - p.atmospheric_pressure)
     flow = p.piston_area * wheel_v
-    w_0, d_0, _ = scheduled_poles(p, working, highest, flow, p.side * rack_x)
+    area, depth, drop = opening_for_flow(p, working, highest, flow)
+    w_0, d_0, K_s = scheduled_poles(p, working, highest, flow, area, depth, p.side * rack_x)
     w_k = desired_resonance(p, load_pressure)
-    direct, filtered, integral_weight, error_weight = compensator_gains(w_k, p.damping, w_0, d_0)
+    direct, filtered, integral_weight, error_weight = compensator_gains(
+        w_k, p.damping, w_0, d_0, K_s
+    )
 
     error = reference - pressure
     state[FILTERED] += error_weight * (error - state[FILTERED])
     rest = direct * error + filtered * state[FILTERED]
-    rest += flow_feed_forward(p, working, highest, flow)
+    rest += flow_feed_forward(p, flow, area, depth, drop)
     out[0] = reference
     out[1] = limited_force(p, state, integral_weight * error, rest)
 

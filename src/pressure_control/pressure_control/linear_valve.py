@@ -28,12 +28,13 @@ def edge_gains(
     tank_gradient: float,
     pressure: float,
     supply: float,
-) -> tuple[float, float, float]:
-    """Return the valve's gains (K_q [m2/s], K_c [m3/(s Pa)], K_e [N/m]) at a pressure [Pa].
+) -> tuple[float, float, float, float]:
+    """Return (K_q [m2/s], K_c [m3/(s Pa)], K_e [N/m], K_p [m2]) at a chamber pressure [Pa].
 
     The areas [m2] and their gradients [m] belong to the spool's displacement; the gradient of
     the tank edge counts positive. K_q = dq/dx (5.19), K_c = -dq/dp (5.20), K_e = spring and flow
-    force (5.17). ``p`` holds the oil, the valve and the fields of ``valve_fields``.
+    force (5.17), K_p = K_f x_v0, the flow force's part that grows with the chamber pressure and
+    helps it. ``p`` holds the oil, the valve and the fields of ``valve_fields``.
     """
     drop = supply - pressure
     gain = p.orifice_constant
@@ -43,20 +44,31 @@ def edge_gains(
     pressure_gain = supply_area * orifice_flow_gain(gain, drop, transition)
     pressure_gain += tank_area * orifice_flow_gain(gain, pressure, transition)
     jet = supply_gradient * drop + tank_gradient * pressure
-    return flow_gain, pressure_gain, p.spring_stiffness + p.jet_factor * jet
+    stiffness = p.spring_stiffness + p.jet_factor * jet
+    return flow_gain, pressure_gain, stiffness, p.jet_factor * (supply_area + tank_area)
 
 
 @kernel
 def closed_loop_poles(
-    p: Any, flow_gain: float, pressure_gain: float, stiffness: float, volume: float
+    p: Any,
+    flow_gain: float,
+    pressure_gain: float,
+    stiffness: float,
+    jet_area: float,
+    volume: float,
 ) -> tuple[float, float, float]:
-    """Return (w_0 [rad/s], d_0, K_s) of the valve under its own pressure (5.30 to 5.34)."""
+    """Return (w_0 [rad/s], d_0, K_s) of the valve under its own pressure (5.30 to 5.34).
+
+    The pressure that closes the valve acts on A_c less jet_area (K_p), which the source leaves
+    out: a third of A_c at the tank edge in fast on-centre driving. volume [m3]: of the chamber.
+    """
     w_v = stiffness * p.damping_gain / p.pressure_area**2
     w_s = p.bulk_modulus * pressure_gain / volume
     # K_v w_s, with K_c cancelled: finite where both edges are closed
     flow_rate = p.pressure_area * flow_gain * p.bulk_modulus / (stiffness * volume)
-    w_0 = math.sqrt((flow_rate + w_s) * w_v)
-    return w_0, (w_v + w_s) / (2.0 * w_0), flow_rate / (flow_rate + w_s)
+    closing = flow_rate * max(1.0 - jet_area / p.pressure_area, 0.0) + w_s
+    w_0 = math.sqrt(closing * w_v)
+    return w_0, (w_v + w_s) / (2.0 * w_0), flow_rate / closing
 
 
 def valve_fields(parameters: ParameterSet) -> dict[str, float]:
@@ -88,7 +100,8 @@ class LinearValve:
     """Linear coefficients of one valve with its chamber at an operating point, SI units.
 
     displacement [m]: positive opens to the supply. K_p [m2]: flow force per chamber pressure, the
-    term K_f x_v0 that the source leaves out; it is small against A_c at small openings only.
+    term K_f x_v0 that the source leaves out. It takes a share of A_c off the area by which the
+    pressure closes the valve; the source's formulas are those of K_p = 0.
     """
 
     pressure: float
@@ -110,8 +123,13 @@ class LinearValve:
 
     @property
     def K_v(self) -> float:  # noqa: N802
-        """Loop gain at standstill (5.30)."""
+        """Gain from reference to pressure with the loop open, at standstill (5.30)."""
         return self.A_c * self.K_q / (self.K_e * self.K_c)
+
+    @property
+    def loop_gain(self) -> float:
+        """K_v with the share of A_c by which the pressure closes the valve."""
+        return self.K_v * (1.0 - self.K_p / self.A_c)
 
     @property
     def w_v(self) -> float:
@@ -126,7 +144,7 @@ class LinearValve:
     @property
     def w_0(self) -> float:
         """Resonance of the valve under its own pressure [rad/s] (5.32)."""
-        return math.sqrt((self.K_v + 1.0) * self.w_v * self.w_s)
+        return math.sqrt((self.loop_gain + 1.0) * self.w_v * self.w_s)
 
     @property
     def d_0(self) -> float:
@@ -136,7 +154,7 @@ class LinearValve:
     @property
     def K_s(self) -> float:  # noqa: N802
         """Static gain from reference to chamber pressure (5.34)."""
-        return self.K_v / (1.0 + self.K_v)
+        return self.K_v / (1.0 + self.loop_gain)
 
     @property
     def R_v(self) -> float:  # noqa: N802
@@ -176,7 +194,7 @@ def linearise(
         if flow is not None:
             displacement = displacement_for_flow(parameters, pressure, flow, supply=supply)
     areas = edge_areas(p, displacement)
-    flow_gain, pressure_gain, stiffness = edge_gains(p, *areas, pressure, supply)
+    flow_gain, pressure_gain, stiffness, jet_area = edge_gains(p, *areas, pressure, supply)
     return LinearValve(
         pressure=pressure,
         supply=supply,
@@ -188,7 +206,7 @@ def linearise(
         K_e=stiffness,
         K_f=float(p["jet_factor"]) * (areas[1] + areas[3]),
         K_1=float(p["damping_gain"]),
-        K_p=float(p["jet_factor"]) * (areas[0] + areas[2]),
+        K_p=jet_area,
         V=parameters["open_centre.chamber_volume"] if volume is None else volume,
         V_c=float(p["control_chamber_volume"]),
         beta=float(p["bulk_modulus"]),

@@ -8,6 +8,7 @@ controllers are linear as well, since their schedule acts on the control error o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
@@ -16,7 +17,7 @@ from pressure_control.compensator import compensator_gains, desired_resonance
 from pressure_control.linear_valve import LinearValve, linearise, state_space
 from pressure_control.record import controller_record
 from pressure_control.reference import mirrored, reference_pressures
-from pressure_control.schedule import flow_feed_forward, scheduled_poles
+from pressure_control.schedule import flow_feed_forward, opening_for_flow, scheduled_poles
 from steering_core.parameters import ParameterSet
 from steering_core.ticks import TICK_PERIOD
 
@@ -31,15 +32,14 @@ PLANT_SIZE = 12
 class Chamber:
     """One chamber at the operating point, signs as the right one sees them.
 
-    sign: +1 right, -1 left. w_0, d_0: what the schedule takes the valve for. load_pressure [Pa]:
-    on which the wanted resonance depends. by_torque [Pa/(N m)], by_speed [Pa s/m]: slopes of the
-    reference; feed_forward [Pa s/m]: slope of the feed-forward over the rack speed.
+    sign: +1 right, -1 left. poles: (w_0, d_0, K_s) that the schedule takes the valve for.
+    load_pressure [Pa]: on which the wanted resonance depends. by_torque [Pa/(N m)], by_speed
+    [Pa s/m]: slopes of the reference; feed_forward [Pa s/m]: its slope over the rack speed.
     """
 
     sign: float
     valve: LinearValve
-    w_0: float
-    d_0: float
+    poles: tuple[float, float, float]
     load_pressure: float
     by_torque: float
     by_speed: float
@@ -55,7 +55,7 @@ class SteeringPoint:
     """
 
     name: str
-    record: np.void
+    record: Any
     chambers: tuple[Chamber, Chamber]
     transition: np.ndarray
     input: np.ndarray
@@ -108,7 +108,7 @@ def loop_matrix(
     demands = []
     for number, chamber in enumerate(point.chambers):
         w_k = desired_resonance(p, chamber.load_pressure) * resonance / p["resonance"]
-        gains = compensator_gains(w_k, damping, chamber.w_0, chamber.d_0)
+        gains = compensator_gains(w_k, damping, *chamber.poles)
         direct, filtered, integral_weight, error_weight = gains
         error = chamber.by_torque * torque + chamber.by_speed * (wheel + slip)
         error[VALVES[number] + 3] -= 1.0
@@ -152,22 +152,32 @@ def _chamber(
 
     pressure, load_pressure = reference_pressures(p, own, torque, area * speed, supply)
     valve = linearise(parameters, pressure, supply=supply, flow=area * speed)
-    w_0, d_0, _ = scheduled_poles(p, pressure, supply, area * speed, 0.0)
+    poles = scheduled_poles(
+        p,
+        pressure,
+        supply,
+        area * speed,
+        *opening_for_flow(p, pressure, supply, area * speed)[:2],
+        0.0,
+    )
     small_torque, small_speed = 1e-3, 1e-4
     by_torque = reference(torque + small_torque, speed) - reference(torque - small_torque, speed)
     by_speed = reference(torque, speed + small_speed) - reference(torque, speed - small_speed)
-    more = flow_feed_forward(p, pressure, supply, area * (speed + small_speed))
-    less = flow_feed_forward(p, pressure, supply, area * (speed - small_speed))
+    more = _feed_forward(p, pressure, supply, area * (speed + small_speed))
+    less = _feed_forward(p, pressure, supply, area * (speed - small_speed))
     return Chamber(
         sign,
         valve,
-        w_0,
-        d_0,
+        poles,
         load_pressure,
         sign * by_torque / (2.0 * small_torque),
         sign * by_speed / (2.0 * small_speed),
         sign * (more - less) / (2.0 * small_speed),
     )
+
+
+def _feed_forward(p: Any, pressure: float, supply: float, flow: float) -> float:
+    return flow_feed_forward(p, flow, *opening_for_flow(p, pressure, supply, flow))
 
 
 def _gear_and_valves(

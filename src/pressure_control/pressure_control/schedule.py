@@ -16,63 +16,87 @@ from pressure_control.linear_valve import (
 )
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterSet
-from steering_plant.control_valve import HOLES
+from steering_plant.control_valve import HOLES, holes_area_gradient
 from steering_plant.orifice import orifice_flow
 
+SMALLEST_STATIC_GAIN = 0.3
+"""K_s is made up for down to this; a valve wide open at a small pressure drop has hardly any."""
+
 
 @kernel
-def scheduled_poles(
-    p: Any, pressure: float, supply: float, flow: float, rack_position: float
+def opening_for_flow(
+    p: Any, pressure: float, supply: float, flow: float
 ) -> tuple[float, float, float]:
-    """Return the valve's (w_0 [rad/s], d_0, K_s) for which the controller is set.
+    """Return area [m2], depth [m] and pressure drop [Pa] of the edge that carries ``flow`` [m3/s].
 
-    pressure, supply [Pa]: measured. flow [m3/s]: estimated flow out of the valve; within
-    schedule_flow_blend of zero the supply edge at the nominal displacement goes over to the tank
-    edge at the opposite one. rack_position [m]: changes the chamber's volume.
+    Positive flow comes from the supply, negative goes to the tank.
     """
-    share = bounded(0.5 + 0.5 * flow / p.schedule_flow_blend, 0.0, 1.0)
-    gains = edge_gains(
-        p,
-        share * p.wide_area + (1.0 - share) * p.narrow_area,
-        share * p.wide_gradient + (1.0 - share) * p.narrow_gradient,
-        share * p.narrow_area + (1.0 - share) * p.wide_area,
-        share * p.narrow_gradient + (1.0 - share) * p.wide_gradient,
-        pressure,
-        supply,
-    )
-    stroke = bounded(rack_position, -p.rack_stop_position, p.rack_stop_position)
-    volume = max(p.chamber_volume + p.piston_area * stroke, 0.1 * p.chamber_volume)
-    return closed_loop_poles(p, gains[0], gains[1], gains[2], volume)
-
-
-@kernel
-def flow_feed_forward(p: Any, pressure: float, supply: float, flow: float) -> float:
-    """Return the reference [Pa] that opens the valve for ``flow`` [m3/s] at constant pressure.
-
-    The static force balance of the spool, A_c e = K x + flow force. For small flows around an
-    operating point its slope is K_e/(A_c K_q), as in (6.9); the holes being round, the product of
-    that slope and the whole flow would fall short of the displacement by a third.
-    """
-    size = abs(flow)
     drop = supply - pressure if flow >= 0.0 else pressure
-    area = size / orifice_flow(p.orifice_constant, drop, p.laminar_transition_pressure)
+    area = abs(flow) / orifice_flow(p.orifice_constant, drop, p.laminar_transition_pressure)
     area = min(area, p.largest_area)
-    displacement = max(uncovered_depth(p, area) - p.underlap, 0.0)
-    if p.underlap < 0.0:
-        # the closed zone is crossed within the blend rather than in one leap
-        displacement += p.underlap * max(1.0 - size / p.schedule_flow_blend, 0.0)
-    force = p.spring_stiffness * displacement + p.jet_factor * area * drop
-    return math.copysign(force, flow) / p.pressure_area
+    return area, uncovered_depth(p, area), drop
 
 
 @kernel
 def uncovered_depth(p: Any, area: float) -> float:
     """Return how far [m] the round holes must be uncovered for an area [m2].
 
-    Two terms of the inverse series, within 1.5 % up to a third of the diameter.
+    Two terms of the inverse series, within 1.6 % up to a third of the diameter.
     """
     depth = (area / p.depth_constant) ** (2.0 / 3.0)
     return depth * (1.0 + 0.2 * depth / p.hole_diameter)
+
+
+@kernel
+def scheduled_poles(
+    p: Any,
+    pressure: float,
+    supply: float,
+    flow: float,
+    area: float,
+    depth: float,
+    rack_position: float,
+) -> tuple[float, float, float]:
+    """Return the valve's (w_0 [rad/s], d_0, K_s) for which the controller is set.
+
+    pressure, supply [Pa]: measured. flow [m3/s]: estimated, out of the valve; area, depth: of
+    opening_for_flow. The spool is taken to stand where the flow puts it, but no nearer to the
+    middle than the nominal displacement; within schedule_flow_blend of zero flow the supply edge
+    goes over to the tank edge. rack_position [m]: changes the chamber's volume.
+    """
+    open_area, open_gradient = p.wide_area, p.wide_gradient
+    if area > open_area:
+        open_area, open_gradient = area, holes_area_gradient(p.hole_diameter, depth)
+    share = bounded(0.5 + 0.5 * flow / p.schedule_flow_blend, 0.0, 1.0)
+    gains = edge_gains(
+        p,
+        share * open_area + (1.0 - share) * p.narrow_area,
+        share * open_gradient + (1.0 - share) * p.narrow_gradient,
+        share * p.narrow_area + (1.0 - share) * open_area,
+        share * p.narrow_gradient + (1.0 - share) * open_gradient,
+        pressure,
+        supply,
+    )
+    stroke = bounded(rack_position, -p.rack_stop_position, p.rack_stop_position)
+    volume = max(p.chamber_volume + p.piston_area * stroke, 0.1 * p.chamber_volume)
+    w_0, d_0, static_gain = closed_loop_poles(p, gains[0], gains[1], gains[2], gains[3], volume)
+    return w_0, d_0, max(static_gain, SMALLEST_STATIC_GAIN)
+
+
+@kernel
+def flow_feed_forward(p: Any, flow: float, area: float, depth: float, drop: float) -> float:
+    """Return the demand [Pa] that opens the valve for ``flow`` [m3/s] at constant pressure.
+
+    area, depth, drop: of opening_for_flow. The static force balance of the spool, A_c e = K x +
+    flow force. For small changes of flow its slope is K_e/(A_c K_q), as in (6.9); the holes being
+    round, that slope times the whole flow would fall short by up to a third.
+    """
+    displacement = max(depth - p.underlap, 0.0)
+    if p.underlap < 0.0:
+        # the closed zone is crossed within the blend rather than in one leap
+        displacement += p.underlap * max(1.0 - abs(flow) / p.schedule_flow_blend, 0.0)
+    force = p.spring_stiffness * displacement + p.jet_factor * area * drop
+    return math.copysign(force, flow) / p.pressure_area
 
 
 def schedule_fields(parameters: ParameterSet) -> dict[str, float]:

@@ -1,0 +1,65 @@
+"""A chamber's pressure controller as a node; a bench has one for each side.
+
+Parameters: any of the data sheet, ``side`` (left or right), ``boost_curve`` (a CSV file in place of
+the formula), ``controller`` (a name of ``pressure_control.controller.CONTROLLERS``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rclpy.context import Context
+
+from pressure_control.controller import CONTROLLERS
+from steering_core.naming import unknown
+from steering_lockstep.core_parameters import check_own, parameter_set
+from steering_lockstep.graph import NodeSpec
+from steering_lockstep.node import LockstepNode
+from steering_lockstep.ports import Ports
+from steering_lockstep.settings import RunSettings
+from steering_lockstep.standalone import spin_alone
+from steering_plant.boost_curve import boost_table
+
+DEFAULT = "pressure_control_valve"
+
+
+class ControllerNode(LockstepNode):
+    """Answers the measurements of each tick with the valve's command."""
+
+    ports = Ports(
+        takes=(
+            ("/steering/torque", "steering_wheel_angle"),
+            ("/steering/torque", "steering_wheel_speed"),
+            ("/steering/torque", "torsion_bar_torque"),
+            ("/steering/pressure", "left"),
+            ("/steering/pressure", "right"),
+            ("/steering/pressure", "supply"),
+            ("/steering/rack", "position"),
+            ("/steering/rack", "speed"),
+            ("/steering/rack", "force"),
+        )
+    )
+
+
+def build_controller(values: Mapping[str, Any]) -> Any:
+    """Return the controller of a node's parameter values."""
+    check_own(values, ("side", "boost_curve", "controller"), ())
+    kind = values.get("controller", DEFAULT)
+    if kind not in CONTROLLERS:
+        raise ValueError(unknown("controller", kind, CONTROLLERS))
+    curve = values.get("boost_curve")
+    table = None if curve is None else boost_table(curve)
+    return CONTROLLERS[kind](parameter_set(values), values.get("side", "left"), table)
+
+
+def make(
+    context: Context, spec: NodeSpec, run: RunSettings, parameters: Mapping[str, Any] | None
+) -> ControllerNode:
+    """Return a controller's node for a run."""
+    return ControllerNode(context, spec, run, parameters, build_controller)
+
+
+def main() -> None:
+    """Run one controller alone in a process."""
+    spin_alone("valve_controller", make)
