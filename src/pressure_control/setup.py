@@ -21,7 +21,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "valve_controller_node = pressure_control.node:main",
+            "valve_controller_node = pressure_control.controller_node:main",
         ],
     },
 )

@@ -47,9 +47,9 @@ class Barrier:
         self.tick = 0
         self.received = [0] * len(self.inputs)
         self._rest = [i.rest or (0.0,) * len(i.wire.fields) for i in self.inputs]
-        self._held: list[tuple[Any, ...]] = list(self._rest)
+        self._held: list[Sequence[float]] = list(self._rest)
         self._need = [i.needed(0) for i in self.inputs]
-        self._early: list[dict[int, tuple[Any, ...]]] = [{} for _ in self.inputs]
+        self._early: list[dict[int, Sequence[float]]] = [{} for _ in self.inputs]
         self.missing = sum(need != REST for need in self._need)
         self._simple = all(i.delay == 0 and i.every == 1 for i in self.inputs) and period == 1
 

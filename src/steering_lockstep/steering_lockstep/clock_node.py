@@ -77,7 +77,7 @@ class ClockNode(LockstepNode):
             self._finish()
             return False
         self.busy = True
-        self.core.step(tick, *barrier.values())
+        self.core.step(tick, *self._pick(barrier.values()))
         self.busy = False
         barrier.advance()
         return self._may_go_on()
@@ -114,5 +114,3 @@ class ClockNode(LockstepNode):
 
 def _no_pacing(due: int) -> None:
     raise RuntimeError(f"nobody paces this run (due at {due} ns)")
-
-

@@ -19,7 +19,7 @@ class DomainError(RuntimeError):
 
 @dataclass
 class DomainClaim:
-    """A claimed ROS_DOMAIN_ID. The kernel frees the claim when the process ends, however it does."""
+    """A claimed ROS_DOMAIN_ID; the kernel frees it when the process ends, however it does."""
 
     number: int
     _socket: socket.socket

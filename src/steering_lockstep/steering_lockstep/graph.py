@@ -122,9 +122,7 @@ def _order(
     through it; every other input without delay is an edge.
     """
     waits = {
-        n.name: [
-            publisher[t] for t, d in n.inputs.items() if d == 0 and publisher[t] != clock.name
-        ]
+        n.name: [publisher[t] for t, d in n.inputs.items() if d == 0 and publisher[t] != clock.name]
         for n in nodes
         if n.name != clock.name
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import Any
@@ -13,23 +14,28 @@ from rclpy.parameter import Parameter
 from steering_lockstep.barrier import Barrier, Input, not_finite
 from steering_lockstep.endpoints import message_class, qos
 from steering_lockstep.errors import LockstepError
-from steering_lockstep.graph import NodeSpec
+from steering_lockstep.graph import Graph, NodeSpec
+from steering_lockstep.ports import Ports, parts, picker
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.stall import Report
 from steering_lockstep.subscriptions import PlainSubscription
 from steering_lockstep.topics import topic, wire
 
+ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
 Emit = Callable[[int, Sequence[float]], None]
 
 
 class LockstepNode(Node):
     """Base of all nodes.
 
-    ``core``: has ``step(tick, *values) -> float64 array`` whose numbers fill the fields of the
-    outputs one after the other. A subclass with other outputs overrides ``publish``. When the
-    node has done the last of its ticks it calls ``on_finished``; an error in a callback goes to
-    ``on_error``. Both are set by whoever spins the node.
+    ``build``: makes the core from the node's parameter values. A core has ``step(tick, *values)``
+    and leaves its results in the float64 array ``out``; ``ports`` says which fields they are. A
+    subclass with further outputs overrides ``publish``. When the node has done the last of its
+    ticks it calls ``on_finished``; an error in a callback goes to ``on_error``. Both are set by
+    whoever spins the node.
     """
+
+    ports = Ports()
 
     def __init__(
         self,
@@ -37,13 +43,14 @@ class LockstepNode(Node):
         spec: NodeSpec,
         run: RunSettings,
         parameters: Mapping[str, Any] | None = None,
-        core: Any = None,
+        build: Callable[[Mapping[str, Any]], Any] | None = None,
     ) -> None:
-        self._plain: list[PlainSubscription] = []
+        self._plain: dict[str, PlainSubscription] = {}
+        self._followers: set[PlainSubscription] = set()
         super().__init__(
             spec.name,
             context=context,
-            use_global_arguments=False,
+            use_global_arguments=parameters is None,
             enable_rosout=False,
             start_parameter_services=False,
             automatically_declare_parameters_from_overrides=True,
@@ -51,30 +58,47 @@ class LockstepNode(Node):
         )
         self.spec = spec
         self.run = run
-        self.core = core
         self.busy = False
         self.finished = False
         self.published: dict[str, int] = {}
         self.on_finished: Callable[[], None] = _nothing
         self.on_error: Callable[[LockstepError], None] = _raise
         self.barrier = Barrier(spec.name, run.inputs(spec), spec.period)
+        self._pick = picker(spec, self.ports)
+        self.core: Any = None if build is None else self._warm(build)
         self._publishers_of: dict[str, Any] = {}
         self.emit = {name: self._emitter(name) for name in spec.outputs if topic(name).lockstep}
-        self._split = _split(spec.outputs)
+        self._parts = [(self.emit[n], i, j) for n, i, j in parts(spec, self.ports)]
         for index, name in enumerate(spec.inputs):
-            self._subscribe(name, self.barrier.receiver(index, self._complete))
+            self._subscribe(name, self.receiver(index))
+        for leader, followers in companions(spec, run.graph).items():
+            self._lead(leader, followers)
 
     @property
     def subscriptions(self) -> Iterator[Any]:
         """The node's subscriptions, our raw ones in the form that the executor reads fast."""
-        plain = {p.real: p for p in self._plain}
+        plain = {p.real: p for p in self._plain.values()}
         for subscription in super().subscriptions:
-            yield plain.get(subscription, subscription)
+            entry = plain.get(subscription, subscription)
+            if entry not in self._followers:
+                yield entry
 
     def publish(self, tick: int, out: Sequence[float]) -> None:
-        """Publish the numbers of ``out``, split over the outputs in their order."""
-        for emit, start, stop in self._split_emitters():
+        """Publish the numbers of ``out``, each message with its own."""
+        for emit, start, stop in self._parts:
             emit(tick, out[start:stop])
+
+    def receiver(self, index: int) -> Callable[[bytes], None]:
+        """Return the function that takes the bytes of input ``index``."""
+        return self.barrier.receiver(index, self._complete)
+
+    def values(self) -> dict[str, Any]:
+        """Return the values of the node's parameters by name."""
+        return {
+            name: parameter.value
+            for name, parameter in self._parameters.items()
+            if name not in ROS_PARAMETERS
+        }
 
     def report(self) -> Report:
         """Return what this node works on and waits for."""
@@ -98,8 +122,8 @@ class LockstepNode(Node):
             if publisher.get_subscription_count() < self.run.readers(name)
         ]
         return missing + [
-            f"{plain.real.topic_name}: no publisher"
-            for plain in self._plain
+            f"{name}: no publisher"
+            for name, plain in self._plain.items()
             if plain.real.handle.get_publisher_count() < 1
         ]
 
@@ -108,12 +132,12 @@ class LockstepNode(Node):
 
     def _complete(self) -> None:
         """Do every tick whose inputs are there."""
-        barrier, step, last = self.barrier, self.core.step, self.run.ticks
+        barrier, core, last = self.barrier, self.core, self.run.ticks
         while True:
             tick = barrier.tick
             self.busy = True
-            out = step(tick, *barrier.values()).tolist()
-            self.publish(tick, out)
+            core.step(tick, *self._pick(barrier.values()))
+            self.publish(tick, core.out.tolist())
             self.busy = False
             ready = barrier.advance()
             if barrier.tick >= last:
@@ -121,6 +145,15 @@ class LockstepNode(Node):
                 return
             if not ready:
                 return
+
+    def _warm(self, build: Callable[[Mapping[str, Any]], Any]) -> Any:
+        """Build the core; a twin does a step first, so that no kernel is compiled in the run."""
+        values = self.values()
+        twin = build(values)
+        with contextlib.suppress(ArithmeticError, RuntimeError):
+            count = sum(len(entry.wire.fields) for entry in self.barrier.inputs)
+            twin.step(0, *self._pick([0.0] * count))
+        return build(values)
 
     def _finish(self) -> None:
         self.finished = True
@@ -136,7 +169,31 @@ class LockstepNode(Node):
                 self.on_error(self._core_error(error))
 
         real = self.create_subscription(message_class(name), name, guarded, qos(), raw=True)
-        self._plain.append(PlainSubscription(real, guarded))
+        self._plain[name] = PlainSubscription(real, guarded)
+
+    def _lead(self, leader: str, followers: Sequence[str]) -> None:
+        """Take the ``followers``' messages when the ``leader``'s arrives: one wake-up for all.
+
+        They were published before it by the same node, so as a rule they are there already. One
+        that is not (its datagram was lost and comes again) is woken for from then on.
+        """
+        first, receive = self._plain[leader], self._plain[leader].callback
+        waiting = [self._plain[name] for name in followers]
+        self._followers.update(waiting)
+
+        def receive_all(data: bytes) -> None:
+            executor: Any = self.executor
+            for follower in waiting:
+                if follower in self._followers:
+                    taken = follower.handle.take_message(follower.msg_type, True)
+                    if taken is None:
+                        self._followers.discard(follower)
+                        executor.wake()
+                    else:
+                        follower.callback(taken[0])
+            receive(data)
+
+        first.callback = receive_all
 
     def _core_error(self, error: Exception) -> LockstepError:
         text = f"{type(error).__name__}: {error}"
@@ -160,19 +217,19 @@ class LockstepNode(Node):
 
         return emit
 
-    def _split_emitters(self) -> list[tuple[Emit, int, int]]:
-        return [(self.emit[name], start, stop) for name, start, stop in self._split]
 
-
-def _split(outputs: Sequence[str]) -> list[tuple[str, int, int]]:
-    """Return which numbers of a core's output go to which topic: (topic, start, stop)."""
-    parts, start = [], 0
-    for name in outputs:
-        if topic(name).lockstep:
-            stop = start + len(wire(name).fields)
-            parts.append((name, start, stop))
-            start = stop
-    return parts
+def companions(spec: NodeSpec, graph: Graph) -> dict[str, list[str]]:
+    """Return the inputs that come from one node: {its last output: those before it}."""
+    groups: dict[str, list[str]] = {}
+    for name in spec.inputs:
+        if topic(name).every == 1:
+            groups.setdefault(graph.publisher[name], []).append(name)
+    led = {}
+    for source, names in groups.items():
+        *followers, leader = sorted(names, key=graph.node(source).outputs.index)
+        if followers:
+            led[leader] = followers
+    return led
 
 
 def _overrides(parameters: Mapping[str, Any]) -> list[Parameter]:

@@ -46,15 +46,17 @@ class RunResult:
     ``ticks``: those done; ``counts``: published messages {node: {topic: n}}; ``lost``: gaps in
     sequence {topic: n} seen by the recorder (a gap at any other node ends the run with an error);
     ``first_tick_time`` is from the call to tick 0 in s, ``wall_time`` from tick 0 to the last in
-    s; ``latency``: only in real time, {"p50", "p99", "max" (s), "overruns", "ticks"};
-    ``node_results``: what each node's ``result()`` returned; ``stopped_by``: name of the signal
-    that ended the run, or None; ``domain``: ROS_DOMAIN_ID.
+    s, ``cpu_time`` that of all node processes in the meantime in s; ``latency``: only in real
+    time, {"p50", "p99", "max" (s), "overruns", "ticks"}; ``node_results``: what each node's
+    ``result()`` returned; ``stopped_by``: name of the signal that ended the run, or None;
+    ``domain``: ROS_DOMAIN_ID.
     """
 
     ok: bool = False
     ticks: int = 0
     wall_time: float = 0.0
     first_tick_time: float = 0.0
+    cpu_time: float = 0.0
     counts: dict[str, dict[str, int]] = field(default_factory=dict)
     lost: dict[str, int] = field(default_factory=dict)
     error: RunError | None = None

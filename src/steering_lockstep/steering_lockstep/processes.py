@@ -10,6 +10,7 @@ from typing import Any, Literal
 from steering_lockstep.domain import DomainError, claim_domain
 from steering_lockstep.graph import Graph
 from steering_lockstep.kinds import location
+from steering_lockstep.middleware import ros_environment
 from steering_lockstep.outcome import Progress, RunError, RunResult
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.supervision import Child, Supervision
@@ -30,7 +31,7 @@ def run_graph(
     layout: Layout = "one",
     real_time: bool = False,
     timeout: float = 2.0,
-    start_timeout: float = 60.0,
+    start_timeout: float = 180.0,
     grace: float = 2.0,
     on_progress: Callable[[Progress], None] | None = None,
     domain: int | None = None,
@@ -60,12 +61,13 @@ def run_graph(
         return RunResult(error=failure)
     own = zygote is None
     crew = zygote if zygote is not None else preload(graph)
+    ros = ros_environment(os.environ)
     supervision = Supervision(settings, timeout, start_timeout, grace, on_progress)
     try:
         with supervision.signals():
             for names in placement(graph, layout).values():
                 mine = {name: dict((parameters or {}).get(name, {})) for name in names}
-                job = Job(names, settings, claim.number, mine, ros_environment(), executor)
+                job = Job(names, settings, claim.number, mine, ros, executor)
                 supervision.add(Child(names, *crew.fork("steering_lockstep.worker:work", job)))
             result = supervision.run(crew)
     finally:
@@ -95,12 +97,6 @@ def placement(graph: Graph, layout: Layout) -> dict[str, tuple[str, ...]]:
         elif layout == "each":
             process = node.name
         else:
-            process = layout.get(node.name, "bench")  # type: ignore[union-attr]
+            process = layout.get(node.name, "bench")
         processes[process] = (*processes.get(process, ()), node.name)
     return processes
-
-
-def ros_environment() -> dict[str, str]:
-    """Return the middleware's settings of a run; what the user has set is kept."""
-    defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
-    return {name: os.environ.get(name, value) for name, value in defaults.items()}

@@ -38,6 +38,7 @@ class Child:
     missing: list[str] = field(default_factory=list)
     ready: bool = False
     finished: bool = False
+    cpu_time: float = 0.0
     results: dict[str, dict[str, Any]] | None = None
     gone: bool = False
 
@@ -166,6 +167,7 @@ class Supervision:
             self.reports.update({name: (now, report) for name, report in value.items()})
         elif word == "finished":
             child.finished = True
+            child.cpu_time = value
             self.moved = monotonic()
         elif word == "error":
             self.error = self.error or value
@@ -220,6 +222,7 @@ class Supervision:
             stopped_by=self.stopped_by,
             node_results=results,
             ticks=self.tick,
+            cpu_time=sum(child.cpu_time for child in self.children),
         )
         for name, result in results.items():
             outcome.counts[name] = result.pop("published", {})

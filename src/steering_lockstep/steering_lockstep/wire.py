@@ -175,8 +175,9 @@ def _argument_order(slots: Sequence[Slot], has_tick: bool) -> Callable[..., tupl
     stamp = [s.path for s in slots if s.path.startswith(_STAMPS)]
     known = strings + stamp + (["tick"] if has_tick else [])
     rest = [s.path for s in slots if s.constant is None and not _is_time(s.path)]
-    index = [known.index(s.path) if s.path in known else len(known) + rest.index(s.path)
-             for s in slots]
+    index = [
+        known.index(s.path) if s.path in known else len(known) + rest.index(s.path) for s in slots
+    ]
 
     def order(fixed: tuple[Any, ...], values: Sequence[float]) -> tuple[Any, ...]:
         every = (*fixed, *values)

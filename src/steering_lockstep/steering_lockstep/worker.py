@@ -1,7 +1,8 @@
 """The program of a node process: build the nodes, match, run, close, and tell the supervisor.
 
 Messages to the supervisor: ("matching", [what is missing]), ("ready",), ("progress", tick),
-("reports", {node: Report}), ("finished",), ("error", RunError), ("result", {node: result}).
+("reports", {node: Report}), ("finished", CPU seconds since "go"),
+("error", RunError), ("result", {node: result}).
 From the supervisor: "go", "stop", "close". A supervisor that goes away means "stop".
 """
 
@@ -10,7 +11,7 @@ from __future__ import annotations
 import os
 import threading
 from multiprocessing.connection import Connection
-from time import monotonic
+from time import monotonic, process_time
 from typing import Any
 
 import rclpy
@@ -98,12 +99,13 @@ def _executor(job: Job, context: Context) -> Any:
 def _run(link: Link, spinner: Spinner) -> None:
     if not _match(link, spinner):
         return
+    began = process_time()
     threading.Thread(target=_watch, args=(link, spinner), daemon=True).start()
     spinner.run()
     if spinner.error is not None:
         link.send("error", _run_error(spinner.error))
     elif spinner.finished:
-        link.send("finished")
+        link.send("finished", process_time() - began)
     elif not spinner.stopped:
         name = spinner.nodes[0].spec.name
         link.send("error", RunError("died", name, None, None, f"node '{name}' was terminated"))

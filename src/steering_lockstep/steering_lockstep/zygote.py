@@ -23,7 +23,9 @@ from typing import Any
 PRELOADED = ("steering_lockstep.worker",)
 LENGTH = 4
 ORPHAN_GRACE = 3.0
-_BOOT = "import sys; sys.path[:] = {path!r}; from steering_lockstep.zygote import serve; serve({fd})"
+_BOOT = (
+    "import sys; sys.path[:] = {path!r}; from steering_lockstep.zygote import serve; serve({fd})"
+)
 
 
 class Zygote:

@@ -1,0 +1,22 @@
+"""The middleware's environment of a run: this computer alone, no shared memory. Pure.
+
+rmw_fastrtps overrides the transports of an XML profile as long as it sets the discovery range
+itself, shared memory included. So for LOCALHOST, our default, the profile says all of it and the
+range is left to it; for a wider range that the user asks for, only shared memory is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+PROFILE = Path(__file__).with_name("fastdds.xml")
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+
+
+def ros_environment(given: Mapping[str, str]) -> dict[str, str]:
+    """Return what to set on top of the environment ``given``; the user's own profile is kept."""
+    if given.get(RANGE, "LOCALHOST") != "LOCALHOST" or PROFILE_VARIABLE in given:
+        return {"FASTDDS_BUILTIN_TRANSPORTS": given.get("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")}
+    return {RANGE: "SYSTEM_DEFAULT", PROFILE_VARIABLE: str(PROFILE)}
