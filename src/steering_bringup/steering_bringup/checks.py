@@ -34,16 +34,14 @@ def check_physics(plan: Plan) -> None:
 
 
 def check_place(bag: Path) -> None:
-    """Refuse a bag's folder that exists or cannot be made; its parents are made."""
+    """Refuse a bag's folder that exists already or cannot be made."""
     if bag.exists():
         raise BenchError(f"'{bag}' exists already: name another folder, or remove it")
-    try:
-        bag.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        place = error.filename or bag.parent
-        raise BenchError(f"the folder '{place}' cannot be made: {error.strerror}") from None
-    if not os.access(bag.parent, os.W_OK | os.X_OK):
-        raise BenchError(f"no permission to write into '{bag.parent}': name another with --out")
+    above = next(folder for folder in bag.absolute().parents if folder.exists())
+    if not above.is_dir():
+        raise BenchError(f"'{bag}' cannot be made: '{above}' is a file")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise BenchError(f"no permission to write into '{above}': name another folder with --out")
 
 
 def free_folder(root: Path, name: str) -> Path:

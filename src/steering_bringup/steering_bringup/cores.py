@@ -8,12 +8,15 @@ import numpy as np
 
 from driver_model.driver import Driver
 from pressure_control.controller import ValveController
+from steering_bringup.direct.effects import loop_for
 from steering_bringup.direct.runner import Cores
 from steering_bringup.errors import BenchError
 from steering_bringup.schema import NodeSet, Scenario
 from steering_core.parameters import ParameterError
 from steering_plant.boost_curve import FORMULA, boost_table
+from steering_plant.effects.models import vehicle_model
 from steering_plant.plant import Plant
+from vehicle_model.model import slots, step
 from vehicle_model.vehicle import Vehicle
 
 
@@ -29,12 +32,16 @@ def _build(scenario: Scenario, valve_system: str) -> Cores:
     parameters, ticks = scenario.parameter_values(), scenario.ticks
     table = boost_curve(scenario)
     closed = valve_system == "closed_centre"
+    plant = Plant(parameters, valve_system, table, scenario.effects)
+    rolling, added = vehicle_model(scenario.effects, slots, step)
+    load = scenario.load.make()
     return Cores(
-        plant=Plant(parameters, valve_system, table),
+        plant=plant,
         driver=Driver(parameters, scenario.manoeuvre.make(), ticks),
-        vehicle=Vehicle(parameters, scenario.load.make(), ticks),
+        vehicle=Vehicle(parameters, load, ticks, rolling, added.values, added.rests),
         left=ValveController(parameters, "left", table) if closed else None,
         right=ValveController(parameters, "right", table) if closed else None,
+        loop=loop_for(plant.model, rolling),
     )
 
 
@@ -99,18 +106,25 @@ def changed_values(scenario: Scenario) -> dict[str, float]:
 
 
 def _own(scenario: Scenario, node_set: NodeSet, kind: str) -> dict[str, Any]:
+    curve = {} if scenario.boost_curve is None else {"boost_curve": scenario.boost_curve}
+    if kind == "valve_controller":
+        return curve
     if kind == "plant":
-        effects = {
-            f"effects.{effect}.{name}": value
-            for effect, values in scenario.effects.items()
-            for name, value in values.items()
-        }
-        return {"valve_system": node_set.valve_system, **effects}
+        return {"valve_system": node_set.valve_system, **_effects(scenario)}
     if kind == "driver":
         return {"duration": scenario.duration, **_nested("manoeuvre", scenario.manoeuvre)}
     if kind == "vehicle":
-        return {"duration": scenario.duration, **_nested("load", scenario.load)}
+        load = _nested("load", scenario.load)
+        return {"duration": scenario.duration, **load, **_effects(scenario)}
     return {}
+
+
+def _effects(scenario: Scenario) -> dict[str, float]:
+    return {
+        f"effects.{effect}.{name}": value
+        for effect, values in scenario.effects.items()
+        for name, value in values.items()
+    }
 
 
 def _nested(prefix: str, choice: Any) -> dict[str, Any]:

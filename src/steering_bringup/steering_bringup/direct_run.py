@@ -12,11 +12,13 @@ from steering_bringup.graphs import connection_delays, recorded_types
 from steering_bringup.outcome import Outcome, peaks
 from steering_bringup.plans import Plan
 from steering_bringup.progress import Bar
-from steering_lockstep.topics import TABLE, wire
+from steering_lockstep.topics import CLOCK, TABLE, wire
 from steering_lockstep.wire import NANOSECONDS_PER_TICK
+from vehicle_model.motion_messages import IMU, ODOMETRY, imu_fields, odometry_fields
 
 if TYPE_CHECKING:
     from steering_bringup.direct.runner import DirectTrace
+    from vehicle_model.vehicle import Vehicle
 
 BLOCK_TICKS = 1000
 """Ticks written at once; within a block the messages are sorted by topic rate, then by tick."""
@@ -50,18 +52,22 @@ def run_direct(plan: Plan) -> Outcome:
         peaks=peaks(trace.torque, trace.pressure, trace.rack),
     )
     if plan.bag is not None:
-        outcome.messages = write_bag(plan, trace)
+        outcome.messages = write_bag(plan, trace, cores.vehicle)
         outcome.bag = plan.bag
     return outcome
 
 
-def write_bag(plan: Plan, trace: DirectTrace) -> int:
-    """Write a direct run's bag with the bytes that the graph would publish; return their number."""
+def write_bag(plan: Plan, trace: DirectTrace, vehicle: Vehicle) -> int:
+    """Write a direct run's bag with the bytes that the graph would publish.
+
+    ``vehicle``: the core that made ``trace.motion``. Returns the number of messages.
+    """
     from steering_bringup.bags import BagWriter
 
     assert plan.bag is not None
     types = recorded_types(plan.graph)
-    payloads = {topic: _payload(topic, trace) for topic in types}
+    columns = trace_columns(trace, vehicle)
+    payloads = {topic: _payload(topic, columns[topic]) for topic in types}
     with BagWriter(plan.bag, types, plan.metadata()) as writer:
         for start in range(0, plan.scenario.ticks, BLOCK_TICKS):
             for every in sorted({TABLE[topic].every for topic in types}):
@@ -72,20 +78,21 @@ def write_bag(plan: Plan, trace: DirectTrace) -> int:
     return sum(len(rows) for rows in payloads.values())
 
 
-def _payload(topic: str, trace: DirectTrace) -> np.ndarray:
+def trace_columns(trace: DirectTrace, vehicle: Vehicle) -> dict[str, np.ndarray]:
+    """Return the numbers of every topic's messages, (n, fields); /clock has no fields."""
+    motion = {
+        topic: np.empty((len(trace.motion), len(wire(topic).fields))) for topic in (ODOMETRY, IMU)
+    }
+    for row, state in enumerate(trace.motion):
+        vehicle.state[:] = state
+        motion[ODOMETRY][row] = odometry_fields(vehicle.odometry())
+        motion[IMU][row] = imu_fields(vehicle.imu())
+    return {**trace.topics(), **motion, CLOCK: np.empty((len(trace.torque), 0))}
+
+
+def _payload(topic: str, columns: np.ndarray) -> np.ndarray:
     """Return the CDR bytes of every message of a topic, shape (n, size) uint8."""
-    ticks = np.arange(len(trace.torque), step=TABLE[topic].every, dtype=np.uint64)
+    ticks = np.arange(len(columns), dtype=np.int64) * TABLE[topic].every
     layout = wire(topic)
-    rows = layout.from_columns(ticks, _columns(topic, trace))
+    rows = layout.from_columns(ticks, columns)
     return rows.view(np.uint8).reshape(len(ticks), layout.size)
-
-
-def _columns(topic: str, trace: DirectTrace) -> np.ndarray:
-    if topic == "/clock":
-        return np.empty((len(trace.torque), 0))
-    if topic in MOTION:
-        raise NotImplementedError(topic)
-    return trace.topics()[topic]
-
-
-MOTION = ("/vehicle/odometry", "/vehicle/imu")

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from steering_bringup.checks import check_physics, check_place
+from steering_bringup.errors import BenchError
 from steering_bringup.outcome import Outcome
 from steering_bringup.plans import Plan
 
@@ -33,11 +34,22 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
             check_physics(plan)
         outcomes: list[Outcome] = []
         for plan in plans:
+            if plan.bag is not None:
+                make_folder(plan.bag.parent)
             outcomes.append(_run(plan, zygote))
             on_outcome(outcomes[-1])
             if not outcomes[-1].ok:
                 break
     return outcomes
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder and those above it; BenchError names the one that cannot be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        place = error.filename or folder
+        raise BenchError(f"the folder '{place}' cannot be made: {error.strerror}") from None
 
 
 def _run(plan: Plan, zygote: object) -> Outcome:

@@ -24,10 +24,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Compare, write the page, print the key numbers."""
     from steering_bringup.checks import free_folder
-    from steering_bringup.session import compare_bags
+    from steering_bringup.session import compare_bags, make_folder
 
     folder = options.out or free_folder(Path("results"), "comparison")
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     page = folder / "comparison.html"
     text, numbers = compare_bags(options.first, options.second, page)
     print("\n".join(text))

@@ -18,6 +18,9 @@ EXAMPLES = """examples:
   steer list parameters 'valve*'
   steer list manoeuvres chirp"""
 
+APART = ("effects", "parameters")
+"""Left out of the overview: one is long, the other imports the compiled kernels."""
+
 Entry = dict[str, Any]
 
 
@@ -27,7 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "what",
         nargs="?",
         choices=list(LISTS),
-        help="one of the lists (default: all but parameters)",
+        help="one of the lists (default: an overview)",
     )
     parser.add_argument(
         "pattern", metavar="PATTERN", nargs="?", help="part of a name, or a pattern such as 'oil.*'"
@@ -37,7 +40,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Print the lists."""
-    chosen = [options.what] if options.what else [name for name in LISTS if name != "parameters"]
+    chosen = [options.what] if options.what else [name for name in LISTS if name not in APART]
     tables = {name: _matching(LISTS[name](), options.pattern) for name in chosen}
     if options.pattern and not any(tables.values()):
         raise BenchError(f"no {options.what[:-1]} matches '{options.pattern}'")
@@ -45,7 +48,7 @@ def execute(options: argparse.Namespace) -> int:
         print(f"{chr(10) if index else ''}{name.capitalize()}")
         _print(entries)
     if options.what is None:
-        print("\nParameters: 'steer list parameters'")
+        print("\nAlso: steer list effects, steer list parameters")
     if options.json:
         options.json.write_text(json.dumps(tables, indent=2) + "\n", encoding="utf-8")
     return 0
@@ -103,7 +106,7 @@ def _effects() -> list[Entry]:
         {
             "name": name,
             "text": effect.summary,
-            "more": [_value(p, i) for p, i in effect.info.items()],
+            "more": [f"{parameter} = {line}" for parameter, line in effect.info.items()],
         }
         for name, effect in effects().items()
     ]
@@ -126,10 +129,6 @@ def _parameters() -> list[Entry]:
         }
         for name in sheet
     ]
-
-
-def _value(name: str, info: Any) -> str:
-    return f"{name} = {info}"
 
 
 def _first_sentence(made: Any) -> str:

@@ -1,0 +1,87 @@
+"""``steer bench``: speed and accuracy, measured beside their targets."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from steering_bringup.errors import BenchError
+from steering_core.naming import unknown
+
+EXAMPLES = """examples:
+  steer bench
+  steer bench graph_speed --json graph.json
+
+A benchmark is a file benchmarks/NAME.py that takes --json FILE. It prints a table, writes its
+numbers to the file, and ends with status 0 where they were measured."""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    add = parser.add_argument
+    add("names", metavar="NAME", nargs="*", help="benchmarks to run (default: all)")
+    add("--list", action="store_true", help="list the benchmarks")
+    add(
+        "--json",
+        metavar="FILE",
+        type=Path,
+        default=Path("results/bench.json"),
+        help="numbers of all of them (default: results/bench.json)",
+    )
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Run the benchmarks one after the other and gather their numbers."""
+    found = benchmarks()
+    for name in options.names:
+        if name not in found:
+            raise BenchError(unknown("benchmark", name, found))
+    if options.list:
+        print("\n".join(found))
+        return 0
+    chosen = {
+        name: path for name, path in found.items() if not options.names or name in options.names
+    }
+    report = {"machine": _surroundings(), "benchmarks": {}}
+    failed = []
+    for name, path in chosen.items():
+        print(f"== {name}", flush=True)
+        status, numbers = _measure(path)
+        report["benchmarks"][name] = numbers
+        failed += [name] if status else []
+    options.json.parent.mkdir(parents=True, exist_ok=True)
+    options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    print(f"numbers: {options.json}")
+    if failed:
+        raise BenchError(f"not measured or below a target: {', '.join(failed)}")
+    return 0
+
+
+def benchmarks() -> dict[str, Path]:
+    """Return name to file of the project's benchmarks."""
+    folders = (parent / "benchmarks" for parent in Path(__file__).resolve().parents)
+    folder = next((f for f in folders if f.is_dir()), None)
+    if folder is None:
+        raise BenchError("the folder 'benchmarks' is not there: run from the project's source tree")
+    return {p.stem: p for p in sorted(folder.glob("*.py")) if not p.stem.startswith("_")}
+
+
+def _measure(path: Path) -> tuple[int, Any]:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "numbers.json")
+        status = subprocess.call([sys.executable, str(path), "--json", str(file)])
+        numbers = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else None
+    return status, numbers
+
+
+def _surroundings() -> dict[str, Any]:
+    import os
+
+    from steering_bringup.bags.run_metadata import libraries, machine, software
+
+    return {"software": software(), "libraries": libraries(), **machine(), "cpus": os.cpu_count()}
