@@ -6,7 +6,6 @@ import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any
 
 from steering_lockstep.errors import LockstepError
 from steering_lockstep.wire import Wire

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
-PLANT_KINDS = ("plant",)
 RECORDER_KIND = "recorder"
 
 
@@ -57,14 +56,15 @@ def check_graph(nodes: Iterable[NodeSpec]) -> Graph:
 
     Raises ``GraphError`` when there is not exactly one clock (plant), a name or a topic's
     publisher is not unique, an input has no publisher (the nearest topic is named), a delay or
-    period is no whole number of ticks, or nodes wait for each other within one tick (the cycle
-    is named).
+    period is no whole number of ticks, a node gives nothing that the clock waits for (it could
+    fall behind without bound), or nodes wait for each other within one tick (the cycle is named).
     """
     nodes = tuple(nodes)
     _check_names(nodes)
     clock = _the_clock(nodes)
     publisher = _publishers(nodes)
     _check_inputs(nodes, publisher)
+    _check_feeds_clock(nodes, clock, publisher)
     return Graph(nodes, clock, _order(nodes, clock, publisher), publisher)
 
 
@@ -111,6 +111,20 @@ def _check_inputs(nodes: tuple[NodeSpec, ...], publisher: Mapping[str, str]) -> 
                 raise GraphError(
                     f"node '{node.name}': delay {delay!r} of {topic} is no whole tick count"
                 )
+
+
+def _check_feeds_clock(
+    nodes: tuple[NodeSpec, ...], clock: NodeSpec, publisher: Mapping[str, str]
+) -> None:
+    by_name = {node.name: node for node in nodes}
+    feeding, todo = {clock.name}, [clock]
+    while todo:
+        sources = {publisher[topic] for topic in todo.pop().inputs} - feeding
+        feeding |= sources
+        todo += [by_name[name] for name in sources]
+    for node in nodes:
+        if node.name not in feeding and node.kind != RECORDER_KIND:
+            raise GraphError(f"node '{node.name}' gives nothing that the clock waits for")
 
 
 def _order(

@@ -42,7 +42,9 @@ def culprit(reports: Mapping[str, Report], graph: Graph) -> Culprit:
             return Culprit(name, topic, tick, "it is silent: dead, stopped or stuck in its step")
         if report.busy:
             return Culprit(name, topic, tick, f"it has not finished its step of tick {report.tick}")
-        if tick is not None and report.tick > tick:
+        # The clock publishes a tick before it collects it, the others after.
+        published = report.tick if name == graph.clock.name else report.tick - 1
+        if tick is not None and published >= tick:
             return Culprit(name, topic, tick, "it was published but has not arrived")
         if not report.lacking:
             return Culprit(name, topic, tick, "it lacks nothing but has not published")
