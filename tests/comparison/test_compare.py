@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from steering_bringup.bags import BagError
-from steering_bringup.comparison import compare, summary, verdict
+from steering_bringup.comparison import compare, summary, verdict, write_page
 
 
 def test_differences_are_those_put_in(pair):
@@ -86,6 +86,31 @@ def test_runs_that_share_nothing_are_refused(make_run):
 
 def _every():
     return ("/steering/torque", "/steering/pressure", "/steering/rack", "/driver/torque")
+
+
+def test_values_that_are_no_numbers_are_said_and_left_out(make_run, tmp_path):
+    def spoil(fields, ticks):
+        fields["/driver/torque"]["torque"][100:103] = np.nan
+
+    result = compare(make_run("a"), make_run("b", closed=True, change=spoil))
+    assert "steering_wheel_torque" not in result.differences
+    assert any("b: steering wheel torque is left out, 3 values" in n for n in result.notes)
+    write_page(result, tmp_path / "page.html")
+    json.dumps(result.to_dict(), allow_nan=False)
+
+
+def test_a_single_common_tick_is_enough(make_run, tmp_path):
+    result = compare(make_run("a", duration=1.0), make_run("b", closed=True, start=999))
+    assert len(result.time) == 1
+    assert result.growths["steering_wheel_torque"] is None
+    assert "not known" in summary(result)
+    write_page(result, tmp_path / "page.html")
+    json.dumps(result.to_dict(), allow_nan=False)
+
+
+def test_bags_of_one_name_are_told_apart_by_their_folders(make_run):
+    result = compare(make_run("on_centre-1/run"), make_run("on_centre-2/run", kind="weave"))
+    assert result.names == ("on_centre-1/run", "on_centre-2/run")
 
 
 def test_identical_runs_are_called_so(make_run):

@@ -48,7 +48,10 @@ def steering_wheel_torque(result: Comparison) -> Figure | None:
     """Fig 8.3: what the driver feels, over time and against the angle."""
     if "steering_wheel_torque" not in result.signals:
         return None
-    rows = [[_both(result, "steering_wheel_torque", title="Over time")]]
+    over_time = _both(result, "steering_wheel_torque", title="Over time")
+    if _as(result, on_centre="8.3") and max(result.differences["steering_wheel_torque"].peaks) < 5:
+        over_time.y_range = (-5.0, 5.0)  # the source's axis
+    rows = [[over_time]]
     if "steering_wheel_angle" in result.signals:
         rows[0].append(_loop(result, "steering_wheel_angle", "steering_wheel_torque"))
     return Figure(

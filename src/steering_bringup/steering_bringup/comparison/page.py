@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ from steering_bringup.comparison.result import Comparison
 from steering_bringup.comparison.signals import BY_KEY, SIGNALS
 from steering_bringup.comparison.verdict import limit, shown, verdict
 from steering_bringup.pages import Card, Page, cards, folded, paragraph, table
+
+_UNIT_AFTER_NUMBER = re.compile(r"(\d) (bar|N m)")
 
 
 def write_page(result: Comparison, path: str | Path) -> Path:
@@ -25,7 +28,7 @@ def comparison_page(result: Comparison) -> Page:
     page = Page(
         title=f"{_start(first)} and {second} compared",
         subtitle=_subtitle(result),
-        lead=judged.sentence,
+        lead=_UNIT_AFTER_NUMBER.sub("\\1\N{NO-BREAK SPACE}\\2", judged.sentence),
         good=judged.good,
         footer=_footer(result),
     )

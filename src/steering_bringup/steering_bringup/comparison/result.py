@@ -101,6 +101,7 @@ def compare(first: Trace, second: Trace) -> Comparison:
         )
         for s in wanted
     }
+    signals = {key: pair for key, pair in signals.items() if _finite(key, pair, traces, notes)}
     supplied = tuple(_supply_energy(trace, ticks, notes) for trace in traces)
     angle = signals.get("steering_wheel_angle")
     keys = [key for key in GROWTH_KEYS if key in signals]
@@ -125,6 +126,19 @@ def compare(first: Trace, second: Trace) -> Comparison:
     )
 
 
+def _finite(
+    key: str, pair: tuple[np.ndarray, np.ndarray], traces: tuple[Trace, Trace], notes: list[str]
+) -> bool:
+    """Whether a signal is finite in both runs; if not, it is left out, and that is said."""
+    for trace, values in zip(traces, pair, strict=True):
+        count = int(np.count_nonzero(~np.isfinite(values)))
+        if count:
+            title = BY_KEY[key].title.lower()
+            notes.append(f"{trace.name}: {title} is left out, {count} values are not finite")
+            return False
+    return True
+
+
 def _missing_notes(traces: tuple[Trace, Trace]) -> list[str]:
     notes = []
     for trace in traces:
@@ -140,9 +154,15 @@ def _names(traces: tuple[Trace, Trace]) -> tuple[str, str]:
     if systems[0] != systems[1]:
         return systems
     names = (traces[0].name, traces[1].name)
+    if names[0] == names[1]:
+        names = (_with_folder(traces[0]), _with_folder(traces[1]))
     if names[0] != names[1]:
         return names
     return (f"{names[0]} (first)", f"{names[1]} (second)")
+
+
+def _with_folder(trace: Trace) -> str:
+    return trace.name if trace.path is None else f"{trace.path.resolve().parent.name}/{trace.name}"
 
 
 def _supply_energy(trace: Trace, ticks: np.ndarray, notes: list[str]) -> np.ndarray | None:
