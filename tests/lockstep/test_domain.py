@@ -1,6 +1,7 @@
 import socket
 
 import pytest
+
 from steering_lockstep.domain import DISCOVERY_PORT, PORTS_PER_DOMAIN, DomainError, claim_domain
 
 

@@ -1,4 +1,5 @@
 import pytest
+
 from steering_lockstep.graph import GraphError, NodeSpec, check_graph
 
 MEASURED = ("/steering/torque", "/steering/rack", "/clock")
@@ -80,7 +81,7 @@ def test_there_is_exactly_one_clock():
     with pytest.raises(GraphError, match="there is: none"):
         check_graph([node("one", {}, "/a")])
     other = NodeSpec("other", "plant", {}, ("/clock",))
-    with pytest.raises(GraphError, match="/clock is published by both|there is: plant, other"):
+    with pytest.raises(GraphError, match=r"there is: plant, other"):
         check_graph([plant(), other])
 
 

@@ -1,4 +1,5 @@
 import pytest
+
 from steering_lockstep.graph import GraphError, NodeSpec
 from steering_lockstep.ports import Ports, parts, picker, section
 

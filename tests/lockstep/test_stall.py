@@ -63,5 +63,5 @@ def test_lost_measurement_is_blamed_on_the_way_from_the_clock():
 
 
 def test_waiting_for_each_other_ends():
-    waiting = reports(first=Report(7, ("/steering/torque",)), plant=Report(6, ("/c",)))
+    waiting = reports(first=Report(7, ("/c",)))
     assert "wait for each other" in culprit(waiting, GRAPH).reason

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
 from steering_lockstep.msg_text import MessageError, definition, leaves
 from steering_lockstep.topics import TABLE, TopicError, topic, wire
 from steering_lockstep.wire import Wire

@@ -43,7 +43,8 @@ def culprit(reports: Mapping[str, Report], graph: Graph) -> Culprit:
         if report.busy:
             return Culprit(name, topic, tick, f"it has not finished its step of tick {report.tick}")
         # The clock publishes a tick before it collects it, the others after.
-        published = report.tick if name == graph.clock.name else report.tick - 1
+        node = graph.node(name)
+        published = report.tick if node == graph.clock else report.tick - node.period
         if tick is not None and published >= tick:
             return Culprit(name, topic, tick, "it was published but has not arrived")
         if not report.lacking:
@@ -51,7 +52,8 @@ def culprit(reports: Mapping[str, Report], graph: Graph) -> Culprit:
         if name in visited:
             return Culprit(name, topic, tick, "nodes wait for each other")
         visited.add(name)
-        topic, tick = _most_blamed(report, reports, graph), report.tick
+        topic = _most_blamed(report, reports, graph)
+        tick = report.tick - node.inputs.get(topic, 0)
         name = graph.publisher[topic]
 
 
