@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Sequence
 from time import monotonic_ns
 from typing import Any
@@ -31,8 +30,6 @@ class Spinner:
         self._wake_at: int | None = None
         self._future = Future()
         self.executor: Executor = executor or EventsExecutor(context=context)
-        # The executor takes the signals to itself; Ctrl-C is the supervisor's business.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
         for node in self.nodes:
             node.on_finished = self._check_finished
             node.on_error = self._fail

@@ -9,6 +9,7 @@ From the supervisor: "go", "stop", "close". A supervisor that goes away means "s
 from __future__ import annotations
 
 import os
+import signal
 import threading
 from multiprocessing.connection import Connection
 from time import monotonic, process_time
@@ -28,6 +29,7 @@ from steering_lockstep.worker_job import Job
 MATCHING_STEP = 0.005
 MATCHING_REPORT = 0.25
 BEAT = 0.1
+TERMINATION = {signal.SIGTERM}
 
 
 class Link:
@@ -47,7 +49,13 @@ class Link:
                 self.closing.set()
 
     def receive(self, seconds: float) -> str | None:
-        """Return the supervisor's next word, None after ``seconds``, "stop" if it is gone."""
+        """Return the supervisor's next word, None after ``seconds``, "stop" if it is gone.
+
+        A SIGTERM is taken here as the word "terminate": in a handler it would wait for the main
+        thread, which is somewhere in the middleware.
+        """
+        if signal.sigtimedwait(TERMINATION, 0) is not None:
+            return "terminate"
         try:
             return self._connection.recv() if self._connection.poll(seconds) else None
         except (EOFError, OSError):
@@ -56,6 +64,7 @@ class Link:
 
 def work(connection: Connection, job: Job) -> None:
     """Run ``job`` to its end and report on ``connection``."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, TERMINATION)
     link = Link(connection)
     os.environ.update(job.environment)
     context = Context()
@@ -106,9 +115,6 @@ def _run(link: Link, spinner: Spinner) -> None:
         link.send("error", _run_error(spinner.error))
     elif spinner.finished:
         link.send("finished", process_time() - began)
-    elif not spinner.stopped:
-        name = spinner.nodes[0].spec.name
-        link.send("error", RunError("died", name, None, None, f"node '{name}' was terminated"))
     link.closing.wait()
 
 
@@ -116,7 +122,8 @@ def _match(link: Link, spinner: Spinner) -> bool:
     """Wait until all endpoints are matched in both directions; False if told to stop."""
     due = monotonic() + MATCHING_REPORT
     while missing := spinner.unmatched():
-        if link.receive(0.0) == "stop" or not spinner.context.ok():
+        if (word := link.receive(0.0)) is not None:
+            _heed(link, spinner, word)
             return False
         if monotonic() >= due:
             link.send("matching", missing)
@@ -132,17 +139,26 @@ def _watch(link: Link, spinner: Spinner) -> None:
     before: tuple[int, ...] = ()
     while not link.closing.is_set():
         word = link.receive(BEAT)
-        if word == "go":
-            spinner.start_clock()
-        elif word is not None:
-            spinner.stop()
-            link.closing.set()
+        if word is not None:
+            _heed(link, spinner, word)
         ticks = tuple(node.barrier.tick for node in spinner.nodes)
         if ticks == before:
             link.send("reports", {node.spec.name: node.report() for node in spinner.nodes})
         elif clock is not None:
             link.send("progress", clock.barrier.tick)
         before = ticks
+
+
+def _heed(link: Link, spinner: Spinner, word: str) -> None:
+    if word == "go":
+        spinner.start_clock()
+        return
+    if word == "terminate":
+        names = ", ".join(f"'{node.spec.name}'" for node in spinner.nodes)
+        text = f"the process of {names} was told to end (SIGTERM)"
+        link.send("error", RunError("died", spinner.nodes[0].spec.name, None, None, text))
+    spinner.stop()
+    link.closing.set()
 
 
 def _close(link: Link, nodes: list[LockstepNode]) -> None:
