@@ -34,11 +34,11 @@ def _build(scenario: Scenario, valve_system: str) -> Cores:
     closed = valve_system == "closed_centre"
     plant = Plant(parameters, valve_system, table, scenario.effects)
     rolling, added = vehicle_model(scenario.effects, slots, step)
-    load = scenario.load.make()
+    rests = tuple(float(rest) for rest in added.rests)
     return Cores(
         plant=plant,
         driver=Driver(parameters, scenario.manoeuvre.make(), ticks),
-        vehicle=Vehicle(parameters, load, ticks, rolling, added.values, added.rests),
+        vehicle=Vehicle(parameters, scenario.load.make(), ticks, rolling, added.values, rests),
         left=ValveController(parameters, "left", table) if closed else None,
         right=ValveController(parameters, "right", table) if closed else None,
         loop=loop_for(plant.model, rolling),
@@ -106,25 +106,20 @@ def changed_values(scenario: Scenario) -> dict[str, float]:
 
 
 def _own(scenario: Scenario, node_set: NodeSet, kind: str) -> dict[str, Any]:
+    """Return what a kind of node takes beside the data sheet's values."""
     curve = {} if scenario.boost_curve is None else {"boost_curve": scenario.boost_curve}
-    if kind == "valve_controller":
-        return curve
-    if kind == "plant":
-        return {"valve_system": node_set.valve_system, **_effects(scenario)}
-    if kind == "driver":
-        return {"duration": scenario.duration, **_nested("manoeuvre", scenario.manoeuvre)}
-    if kind == "vehicle":
-        load = _nested("load", scenario.load)
-        return {"duration": scenario.duration, **load, **_effects(scenario)}
-    return {}
-
-
-def _effects(scenario: Scenario) -> dict[str, float]:
-    return {
+    effects = {
         f"effects.{effect}.{name}": value
         for effect, values in scenario.effects.items()
         for name, value in values.items()
     }
+    own: dict[str, dict[str, Any]] = {
+        "plant": {"valve_system": node_set.valve_system, **curve, **effects},
+        "valve_controller": curve,
+        "driver": _nested("manoeuvre", scenario.manoeuvre),
+        "vehicle": {**_nested("load", scenario.load), **effects},
+    }
+    return own.get(kind, {})
 
 
 def _nested(prefix: str, choice: Any) -> dict[str, Any]:

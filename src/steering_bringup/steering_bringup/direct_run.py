@@ -11,6 +11,7 @@ from steering_bringup.cores import build_cores
 from steering_bringup.graphs import connection_delays, recorded_types
 from steering_bringup.outcome import Outcome, peaks
 from steering_bringup.plans import Plan
+from steering_bringup.process_age import process_age
 from steering_bringup.progress import Bar
 from steering_lockstep.topics import CLOCK, TABLE, wire
 from steering_lockstep.wire import NANOSECONDS_PER_TICK
@@ -28,7 +29,7 @@ def run_direct(plan: Plan) -> Outcome:
     """Run the plan and return what it did. Raises PlantError where the plant gives up."""
     from steering_bringup.direct.runner import run
 
-    started = time.perf_counter()
+    started, age = time.perf_counter(), process_age()
     scenario = plan.scenario
     # A first tick apart loads the compiled loop, or compiles it, outside of the timed run.
     run(build_cores(scenario, plan.node_set), 1, truth=scenario.truth)
@@ -49,6 +50,7 @@ def run_direct(plan: Plan) -> Outcome:
         ticks=scenario.ticks,
         wall_time=done - ready,
         start_time=ready - started,
+        since_command=age + ready - started,
         peaks=peaks(trace.torque, trace.pressure, trace.rack),
     )
     if plan.bag is not None:
@@ -84,7 +86,7 @@ def trace_columns(trace: DirectTrace, vehicle: Vehicle) -> dict[str, np.ndarray]
         topic: np.empty((len(trace.motion), len(wire(topic).fields))) for topic in (ODOMETRY, IMU)
     }
     for row, state in enumerate(trace.motion):
-        vehicle.state[:] = state
+        vehicle.state[: len(state)] = state
         motion[ODOMETRY][row] = odometry_fields(vehicle.odometry())
         motion[IMU][row] = imu_fields(vehicle.imu())
     return {**trace.topics(), **motion, CLOCK: np.empty((len(trace.torque), 0))}

@@ -9,6 +9,7 @@ from steering_bringup.cores import build_cores, node_parameters, rest_values
 from steering_bringup.graphs import RECORDER, connection_delays
 from steering_bringup.outcome import Outcome, peaks_of
 from steering_bringup.plans import Plan
+from steering_bringup.process_age import process_age
 from steering_bringup.progress import Bar
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
     from steering_lockstep.processes import placement, run_graph
 
     scenario = plan.scenario
+    age = process_age()
     with Bar(plan.node_set.name, scenario.duration) as bar:
 
         def show(progress: Progress) -> None:
@@ -44,6 +46,7 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
         ticks=result.ticks,
         wall_time=result.wall_time,
         start_time=result.first_tick_time,
+        since_command=age + result.first_tick_time,
         processes=len(placement(plan.graph, plan.layout)),
         lost=dict(result.lost),
         error=_error(result),

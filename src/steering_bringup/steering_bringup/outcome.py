@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class Outcome:
-    """``ticks`` of ``planned`` were done in ``wall_time`` s; ``start_time`` s led to the first.
+    """``ticks`` of ``planned`` were done in ``wall_time`` s.
+
+    ``start_time``: s from the start of the run to its first tick; ``since_command``: s from the
+    start of the command to that tick.
 
     ``messages``: recorded; ``lost``: gaps {topic: n}; ``peaks``: largest values {name: (value,
     unit)}; ``error``: why it failed; ``stopped_by``: the signal that ended it; ``latency``: s,
@@ -27,6 +30,7 @@ class Outcome:
     ticks: int = 0
     wall_time: float = 0.0
     start_time: float = 0.0
+    since_command: float = 0.0
     processes: int = 1
     messages: int = 0
     lost: dict[str, int] = field(default_factory=dict)

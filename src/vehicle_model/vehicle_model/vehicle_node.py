@@ -7,7 +7,6 @@ Parameters: any of the data sheet, ``load.kind`` and the fields of that load,
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import cos, sin
 from typing import Any
 
 from rclpy.context import Context
@@ -18,15 +17,11 @@ from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.standalone import spin_alone
-from steering_lockstep.topics import topic, wire
+from steering_lockstep.topics import topic
 from vehicle_model.loads import make_load
 from vehicle_model.model import slots, step
-from vehicle_model.vehicle import Imu, Odometry, Vehicle
-
-ODOMETRY = "/vehicle/odometry"
-IMU = "/vehicle/imu"
-NOT_GIVEN = -1.0
-"""First element of a covariance in sensor_msgs/Imu: there is no such estimate."""
+from vehicle_model.motion_messages import IMU, ODOMETRY, imu_fields, odometry_fields
+from vehicle_model.vehicle import Vehicle
 
 
 class VehicleNode(LockstepNode):
@@ -49,39 +44,6 @@ class VehicleNode(LockstepNode):
             self.emit[ODOMETRY](tick, odometry_fields(self.core.odometry()))
         if IMU in self.emit and node_tick % topic(IMU).every == 0:
             self.emit[IMU](tick, imu_fields(self.core.imu()))
-
-
-def odometry_fields(motion: Odometry) -> list[float]:
-    """Return the numbers of a nav_msgs/Odometry in wire order."""
-    return _filled(
-        ODOMETRY,
-        {
-            "pose.pose.position.x": motion.x,
-            "pose.pose.position.y": motion.y,
-            "pose.pose.orientation.z": sin(0.5 * motion.heading),
-            "pose.pose.orientation.w": cos(0.5 * motion.heading),
-            "twist.twist.linear.x": motion.v_x,
-            "twist.twist.linear.y": motion.v_y,
-            "twist.twist.angular.z": motion.yaw_rate,
-        },
-    )
-
-
-def imu_fields(motion: Imu) -> list[float]:
-    """Return the numbers of a sensor_msgs/Imu in wire order."""
-    return _filled(
-        IMU,
-        {
-            "orientation.w": 1.0,
-            "orientation_covariance[0]": NOT_GIVEN,
-            "angular_velocity.z": motion.yaw_rate,
-            "linear_acceleration.y": motion.lateral_acceleration,
-        },
-    )
-
-
-def _filled(name: str, values: Mapping[str, float]) -> list[float]:
-    return [values.get(path, 0.0) for path in wire(name).fields]
 
 
 def vehicle_builder(ticks: int) -> Callable[[Mapping[str, Any]], Vehicle]:
