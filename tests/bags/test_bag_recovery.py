@@ -189,3 +189,44 @@ def test_sigkill_loses_at_most_the_flush_interval(tmp_path):
     assert last - trace.last_tick <= 4 * 0.05 / elapsed * last + 20
     assert trace.gaps == []
     assert read_bag(path).complete
+
+
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(number=st.integers(0, 2**32), bits=st.integers(1, 255), count=st.integers(1, 12))
+def test_damaged_bytes_never_give_wrong_numbers(tmp_path, whole, number, bits, count):
+    """Whatever is returned was recorded; anything else is an error or a note."""
+    content, original = bytearray(whole[0].read_bytes()), whole[1]
+    start = number % len(content)
+    for k in range(start, min(start + count, len(content))):
+        content[k] ^= bits
+    file = tmp_path / "damaged.mcap"
+    file.write_bytes(content)
+    try:
+        trace = read_bag(file, repair_damage=False)
+    except BagError:
+        return
+    for topic, rows in trace.payloads.items():
+        known = {row.tobytes() for row in original.payloads.get(topic, np.empty((0, 1), "u1"))}
+        if known:
+            assert all(row.tobytes() in known for row in rows)
+
+
+def test_a_chunk_that_is_no_longer_known_as_one_is_missed(make_bag):
+    """The file's own statistics tell how many messages there were."""
+    path = make_bag(count=100, per_chunk=50)
+    file = path / "run.mcap"
+    content = bytearray(file.read_bytes())
+    sizes = range(8_000, 20_000)
+    chunks = [
+        k
+        for k in range(len(content) - 9)
+        if content[k] == 0x06 and int.from_bytes(content[k + 1 : k + 9], "little") in sizes
+    ]
+    content[chunks[-1]] = 0x80
+    file.write_bytes(content)
+    trace = read_bag(path, repair_damage=False)
+    assert not trace.complete
+    assert "300 messages were recorded" in trace.notes[0]
+    assert "150 messages up to tick 49 were recovered" in trace.notes[0]

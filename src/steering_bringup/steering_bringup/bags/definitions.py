@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from rosbags.typesys.store import Typestore
 from steering_bringup.bags.errors import BagError
 
 PACKAGE = "steering_msgs"
+UNKNOWN_HASH = "RIHS01_0"
 _SECTION = "=" * 80 + "\n"
 
 
@@ -61,6 +63,15 @@ def definition(msgtype: str) -> tuple[str, str]:
         sections[0] = _message_texts()[msgtype].rstrip("\n") + "\n"
         text = _SECTION.join(sections)
     return text, store.hash_rihs01(msgtype)
+
+
+def definition_of(msgtype: str, given: Mapping[str, str] | None) -> tuple[str, str]:
+    """`definition`, or that from `given` texts (another bag's) where they are."""
+    if given is None:
+        return definition(msgtype)
+    store = typestore_of({msgtype: given[msgtype]})
+    known = msgtype in store.fielddefs
+    return given[msgtype], store.hash_rihs01(msgtype) if known else UNKNOWN_HASH
 
 
 @cache

@@ -13,11 +13,13 @@ from steering_bringup.bags.append_file import is_being_written
 from steering_bringup.bags.definitions import typestore_of
 from steering_bringup.bags.errors import BagError
 from steering_bringup.bags.foreign import read_foreign
+from steering_bringup.bags.mcap_bytes import LOG_TIME, PAYLOAD, gather, map_file
 from steering_bringup.bags.messages import add_opaque, add_rows
+from steering_bringup.bags.places import METADATA_FILE, RUN_FILE
 from steering_bringup.bags.recovery import repair
-from steering_bringup.bags.scan import LOG_TIME, PAYLOAD, Scan, gather, map_file, scan
+from steering_bringup.bags.scan import Scan, scan
 from steering_bringup.bags.trace import Trace
-from steering_bringup.bags.writer import OUTCOME_KEY, RUN_FILE, RUN_KEY
+from steering_bringup.bags.writer import OUTCOME_KEY, RUN_KEY
 
 
 def read_bag(path: str | Path, *, repair_damage: bool = True) -> Trace:
@@ -35,7 +37,7 @@ def read_bag(path: str | Path, *, repair_damage: bool = True) -> Trace:
     trace = read_mcap(file)
     trace.path = path
     trace.run, trace.outcome = read_run(path)
-    if trace.complete and path.is_dir() and not (path / "metadata.yaml").exists():
+    if trace.complete and path.is_dir() and not (path / METADATA_FILE).exists():
         trace.complete = False
         trace.notes.insert(0, "not complete (metadata.yaml is missing): every message is there")
     if not trace.complete and repair_damage and path.is_dir():
@@ -62,7 +64,7 @@ def mcap_file(path: Path) -> Path | None:
     files = sorted(path.glob("*.mcap"))
     if len(files) == 1:
         return files[0]
-    if not files and not any(path.glob("*.db3")) and not (path / "metadata.yaml").exists():
+    if not files and not any(path.glob("*.db3")) and not (path / METADATA_FILE).exists():
         raise BagError(f"'{path}' is no bag: it holds no .mcap file")
     return None
 
@@ -115,7 +117,7 @@ def _payloads(found: Scan, channel: int) -> tuple[np.ndarray, np.ndarray | list[
 def read_run(path: Path) -> tuple[dict[str, Any], str]:
     """The run's metadata and outcome: from run.yaml, else from metadata.yaml's custom data."""
     folder = path if path.is_dir() else path.parent
-    custom = _custom_data(folder / "metadata.yaml")
+    custom = _custom_data(folder / METADATA_FILE)
     outcome = str(custom.get(OUTCOME_KEY, ""))
     if RUN_KEY in custom:
         return dict(json.loads(custom[RUN_KEY])), outcome

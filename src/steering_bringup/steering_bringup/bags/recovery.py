@@ -13,8 +13,10 @@ import yaml
 
 from steering_bringup.bags.append_file import is_being_written
 from steering_bringup.bags.errors import BagError
-from steering_bringup.bags.scan import PAYLOAD, Block, Scan, gather, map_file, scan
-from steering_bringup.bags.writer import RUN_FILE, BagWriter
+from steering_bringup.bags.mcap_bytes import PAYLOAD, gather, map_file
+from steering_bringup.bags.places import METADATA_FILE, RUN_FILE
+from steering_bringup.bags.scan import Block, Scan, scan
+from steering_bringup.bags.writer import BagWriter
 
 DAMAGED_SUFFIX = ".damaged"
 
@@ -56,7 +58,7 @@ def repair(path: str | Path) -> Recovery:
     if is_being_written(file):
         raise BagError(f"'{file}' is still being written")
     found = _scan(file)
-    if found.finished and (folder / "metadata.yaml").exists():
+    if found.finished and (folder / METADATA_FILE).exists():
         raise BagError(f"'{folder}' is complete: there is nothing to repair")
     if not found.message_count:
         raise BagError(f"'{file}' holds no whole message")
@@ -83,7 +85,7 @@ def _rebuild(folder: Path, file: Path, found: Scan) -> Recovery:
         last = _write_messages(made, found, _run_of(folder))
         original = _keep(file)
         (made / file.name).replace(file)
-        (made / "metadata.yaml").replace(folder / "metadata.yaml")
+        (made / METADATA_FILE).replace(folder / METADATA_FILE)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     return Recovery(folder, original, found.message_count, last, tuple(found.damage))

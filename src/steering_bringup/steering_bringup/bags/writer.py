@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import time
 from collections.abc import Mapping
 from contextlib import suppress
@@ -16,11 +15,11 @@ import yaml
 from rosbags.rosbag2.enums import CompressionFormat, CompressionMode
 from rosbags.rosbag2.errors import WriterError
 
-from steering_bringup.bags.definitions import definition, typestore_of
+from steering_bringup.bags.definitions import definition, definition_of
 from steering_bringup.bags.errors import BagError
+from steering_bringup.bags.places import RUN_FILE, remove_bag
 from steering_bringup.bags.storage import FlushedMcap, FlushedWriter
 
-RUN_FILE = "run.yaml"
 RUN_KEY = "steering_run"
 OUTCOME_KEY = "steering_outcome"
 CHUNK_BYTES = 1 << 20
@@ -54,7 +53,7 @@ class BagWriter:
         definitions: Mapping[str, str] | None = None,
     ) -> None:
         self.path = Path(path)
-        self._definitions = {t: _definition(t, definitions) for t in set(topics.values())}
+        self._definitions = {t: definition_of(t, definitions) for t in set(topics.values())}
         self.outcome = "complete"
         self._run = dict(run or {})
         self._flush_seconds = flush_seconds
@@ -69,7 +68,7 @@ class BagWriter:
 
     def _open(self, overwrite: bool, compress: bool) -> None:
         if overwrite:
-            _remove_bag(self.path)
+            remove_bag(self.path)
         try:
             self._writer = FlushedWriter(self.path)
             if compress:
@@ -91,7 +90,7 @@ class BagWriter:
     def add_topic(self, topic: str, msgtype: str) -> None:
         """Announce one more topic; BagError if it is there already or its type is unknown."""
         if msgtype not in self._definitions:
-            self._definitions[msgtype] = _definition(msgtype, None)
+            self._definitions[msgtype] = definition(msgtype)
         text, digest = self._definitions[msgtype]
         try:
             connection = self._writer.add_connection(topic, msgtype, msgdef=text, rihs01=digest)
@@ -200,27 +199,3 @@ class BagWriter:
         except BagError:
             if error is None:
                 raise
-
-
-def _definition(msgtype: str, given: Mapping[str, str] | None) -> tuple[str, str]:
-    if given is None:
-        return definition(msgtype)
-    return given[msgtype], typestore_of({msgtype: given[msgtype]}).hash_rihs01(msgtype)
-
-
-def _remove_bag(path: Path) -> None:
-    """Remove a bag folder that is to be overwritten; refuse anything that is not a bag."""
-    if not path.exists():
-        return
-    known = {RUN_FILE, "metadata.yaml"}
-    foreign = [
-        f.name
-        for f in (path.iterdir() if path.is_dir() else [path])
-        if f.name not in known and ".mcap" not in f.suffixes
-    ]
-    if foreign or not path.is_dir():
-        raise BagError(f"'{path}' is not overwritten: it holds '{foreign[0]}', so it is no bag")
-    try:
-        shutil.rmtree(path)
-    except OSError as error:
-        raise BagError(f"bag '{path}' cannot be overwritten: {error.strerror}") from error

@@ -13,6 +13,7 @@ from steering_bringup.comparison.align import SECONDS_PER_TICK, common_ticks, ra
 from steering_bringup.comparison.difference import Difference, difference
 from steering_bringup.comparison.energy import TRUTH, Energy, energy
 from steering_bringup.comparison.growth import Growth, bands, growth
+from steering_bringup.comparison.labels import is_finite, missing_notes, names_of
 from steering_bringup.comparison.metadata import differing
 from steering_bringup.comparison.signals import BY_KEY, SIGNALS, has, valve_system
 
@@ -86,7 +87,7 @@ def compare(first: Trace, second: Trace) -> Comparison:
     traces = (first, second)
     notes = [f"{trace.name}: {note}" for trace in traces for note in trace.notes]
     wanted = [s for s in SIGNALS if has(first, s) and has(second, s)]
-    notes += _missing_notes(traces)
+    notes += missing_notes(traces)
     if not wanted:
         raise BagError(f"{first.name} and {second.name} share no signal to compare")
     topics = list(dict.fromkeys(s.topic for s in wanted))
@@ -101,14 +102,14 @@ def compare(first: Trace, second: Trace) -> Comparison:
         )
         for s in wanted
     }
-    signals = {key: pair for key, pair in signals.items() if _finite(key, pair, traces, notes)}
+    signals = {key: pair for key, pair in signals.items() if is_finite(key, pair, traces, notes)}
     supplied = tuple(_supply_energy(trace, ticks, notes) for trace in traces)
     angle = signals.get("steering_wheel_angle")
     keys = [key for key in GROWTH_KEYS if key in signals]
     errors = {key: signals[key][1] - signals[key][0] for key in keys}
     return Comparison(
         traces=traces,
-        names=_names(traces),
+        names=names_of(traces),
         systems=(valve_system(first), valve_system(second)),
         time=time,
         signals=signals,
@@ -124,45 +125,6 @@ def compare(first: Trace, second: Trace) -> Comparison:
         identical=first_difference(first, second) is None,
         notes=notes,
     )
-
-
-def _finite(
-    key: str, pair: tuple[np.ndarray, np.ndarray], traces: tuple[Trace, Trace], notes: list[str]
-) -> bool:
-    """Whether a signal is finite in both runs; if not, it is left out, and that is said."""
-    for trace, values in zip(traces, pair, strict=True):
-        count = int(np.count_nonzero(~np.isfinite(values)))
-        if count:
-            title = BY_KEY[key].title.lower()
-            notes.append(f"{trace.name}: {title} is left out, {count} values are not finite")
-            return False
-    return True
-
-
-def _missing_notes(traces: tuple[Trace, Trace]) -> list[str]:
-    notes = []
-    for trace in traces:
-        missing = [s.title.lower() for s in SIGNALS if not has(trace, s)]
-        if missing:
-            notes.append(f"{trace.name} does not hold: {', '.join(missing)}")
-    return notes
-
-
-def _names(traces: tuple[Trace, Trace]) -> tuple[str, str]:
-    """Labels of the runs: the valve systems if they differ, else the bags' own names."""
-    systems = (valve_system(traces[0]), valve_system(traces[1]))
-    if systems[0] != systems[1]:
-        return systems
-    names = (traces[0].name, traces[1].name)
-    if names[0] == names[1]:
-        names = (_with_folder(traces[0]), _with_folder(traces[1]))
-    if names[0] != names[1]:
-        return names
-    return (f"{names[0]} (first)", f"{names[1]} (second)")
-
-
-def _with_folder(trace: Trace) -> str:
-    return trace.name if trace.path is None else f"{trace.path.resolve().parent.name}/{trace.name}"
 
 
 def _supply_energy(trace: Trace, ticks: np.ndarray, notes: list[str]) -> np.ndarray | None:

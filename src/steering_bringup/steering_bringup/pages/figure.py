@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 
 from steering_bringup.pages.arrays import every, packed, thin
-
-FONT = "Inter, 'Segoe UI', system-ui, -apple-system, 'Helvetica Neue', Arial, sans-serif"
-Spans = tuple[tuple[float, float], tuple[float, float]]
-"""Share of a figure's width and of its height, from and to."""
-
-COLOUR_BAR = 0.055  # share of the width that a colour bar with its title takes
-INK, GRID, MUTED = "#1b2530", "#e6eaef", "#5b6876"
+from steering_bringup.pages.style import (
+    COLOUR_BAR,
+    INK,
+    Spans,
+    axes_title,
+    axis,
+    base_layout,
+    limit_line,
+    shaded,
+)
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ class Figure:
         """`data` and `layout` for Plotly.newPlot."""
         self._names = set()
         traces: list[dict[str, Any]] = []
-        layout = _base_layout(self.height * len(self.rows) + 60)
+        layout = base_layout(self.height * len(self.rows) + 60)
         places: dict[str, str] = {}
         number = 0
         for row, line in enumerate(self.rows):
@@ -115,8 +118,8 @@ class Figure:
         spans: Spans,
         places: dict[str, str],
     ) -> None:
-        horizontal = _axis(axes.x_title) | {"domain": list(spans[0]), "anchor": f"y{suffix}"}
-        vertical = _axis(axes.y_title) | {"domain": list(spans[1]), "anchor": f"x{suffix}"}
+        horizontal = axis(axes.x_title) | {"domain": list(spans[0]), "anchor": f"y{suffix}"}
+        vertical = axis(axes.y_title) | {"domain": list(spans[1]), "anchor": f"x{suffix}"}
         if axes.log_x:
             horizontal["type"] = "log"
         if axes.link and axes.link in places:
@@ -126,9 +129,9 @@ class Figure:
         if axes.y_range:
             vertical["range"] = list(axes.y_range)
         layout[f"xaxis{suffix}"], layout[f"yaxis{suffix}"] = horizontal, vertical
-        layout["shapes"] += [_limit_line(value, suffix) for value in axes.limits]
+        layout["shapes"] += [limit_line(value, suffix) for value in axes.limits]
         if axes.title:
-            layout["annotations"].append(_axes_title(axes.title, spans))
+            layout["annotations"].append(axes_title(axes.title, spans))
 
     def _trace(
         self,
@@ -157,99 +160,5 @@ class Figure:
         }
         self._names.add(curve.name)
         if curve.shade is not None:
-            trace["marker"] = _shaded(curve.shade[part], curve.shade_title, spans)
+            trace["marker"] = shaded(curve.shade[part], curve.shade_title, spans)
         return trace
-
-
-def _base_layout(height: int) -> dict[str, Any]:
-    return {
-        "height": height,
-        "margin": {"l": 78, "r": 40, "t": 56, "b": 48},
-        "font": {"family": FONT, "size": 12.5, "color": INK},
-        "paper_bgcolor": "rgba(0,0,0,0)",
-        "plot_bgcolor": "#ffffff",
-        "hovermode": "closest",
-        "hoverlabel": {"font": {"family": FONT, "size": 12}},
-        "legend": {
-            "orientation": "h",
-            "traceorder": "reversed",
-            "x": 1,
-            "xanchor": "right",
-            "y": 0.995,
-            "yanchor": "top",
-            "yref": "container",
-            "bgcolor": "rgba(0,0,0,0)",
-            "font": {"size": 13},
-        },
-        "modebar": {
-            "orientation": "v",
-            "bgcolor": "rgba(255,255,255,0.85)",
-            "color": "#aab4bf",
-            "activecolor": INK,
-        },
-        "shapes": [],
-        "annotations": [],
-    }
-
-
-def _axis(title: str) -> dict[str, Any]:
-    return {
-        "title": {"text": title, "standoff": 8, "font": {"size": 12.5, "color": MUTED}},
-        "gridcolor": GRID,
-        "zerolinecolor": "#c4ccd5",
-        "zerolinewidth": 1,
-        "linecolor": "#c4ccd5",
-        "showline": True,
-        "mirror": True,
-        "ticks": "outside",
-        "tickcolor": "#c4ccd5",
-        "ticklen": 4,
-    }
-
-
-def _limit_line(value: float, suffix: str) -> dict[str, Any]:
-    return {
-        "type": "line",
-        "xref": f"x{suffix} domain",
-        "yref": f"y{suffix}",
-        "x0": 0,
-        "x1": 1,
-        "y0": value,
-        "y1": value,
-        "line": {"color": "#b3261e", "width": 1, "dash": "dot"},
-    }
-
-
-def _axes_title(text: str, spans: Spans) -> dict[str, Any]:
-    return {
-        "text": f"<b>{html.escape(text)}</b>",
-        "xref": "paper",
-        "yref": "paper",
-        "x": spans[0][0],
-        "y": spans[1][1],
-        "xanchor": "left",
-        "yanchor": "bottom",
-        "yshift": 3,
-        "showarrow": False,
-        "font": {"size": 12.5, "color": INK},
-    }
-
-
-def _shaded(shade: np.ndarray, title: str, spans: Spans) -> dict[str, Any]:
-    bottom, top = spans[1]
-    return {
-        "size": 3.5,
-        "color": packed(shade),
-        "colorscale": "Viridis",
-        "reversescale": True,
-        "showscale": True,
-        "colorbar": {
-            "title": {"text": title, "side": "right", "font": {"size": 11.5, "color": MUTED}},
-            "thickness": 9,
-            "outlinewidth": 0,
-            "x": spans[0][1] + 0.008,
-            "xanchor": "left",
-            "y": (bottom + top) / 2,
-            "len": top - bottom,
-        },
-    }
