@@ -39,6 +39,9 @@ TOLERANCES = {
 
 EFFECT_TOLERANCE = 1e-4
 
+LONGEST_STEP = {"open_centre": 1.001e-3, "closed_centre": 3.34e-4}
+"""Longest inner step [s]. The tolerances alone would pass over what the spools do within a tick."""
+
 
 class PlantError(RuntimeError):
     """The plant's state left what is physically possible."""
@@ -190,6 +193,7 @@ def plant_record(
     values |= {
         "supply_pressure": parameters["closed_centre.supply_pressure"],
         "closed_centre": 1.0 if valve_system == "closed_centre" else 0.0,
+        "longest_step": LONGEST_STEP[valve_system],
         "orifice_constant": orifice_constant,
         "pressure_area": 0.25 * math.pi * values["pressure_area_diameter"] ** 2,
         "damping_orifice_conductance": orifice_constant * damping_area,

@@ -104,7 +104,7 @@ def advance(p, table, e, scale, time, span, y, step, u, work, flows):
                     return STEP_TOO_SMALL if fine else NOT_FINITE
                 continue
             growth = SAFETY * max(error, 1e-10) ** -0.2
-            step[0] = min(h * min(growth, GREATEST_FACTOR), span)
+            step[0] = min(h * min(growth, GREATEST_FACTOR), p.longest_step)
         done += h
         for i in range(y.shape[0]):
             y[i], k1[i] = new[i], k7[i]
