@@ -1,0 +1,73 @@
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from driver_model.driver import Driver
+from pressure_control.controller import ValveController
+from steering_bringup.scenario_files import load_scenario
+from steering_plant.plant import Plant
+from vehicle_model.vehicle import Vehicle
+
+
+def beside(name: str) -> ModuleType:
+    """Return a module of this folder, which compiled functions in it can be found by again."""
+    if name not in sys.modules:
+        path = Path(__file__).with_name(f"{name}.py")
+        spec = importlib.util.spec_from_file_location(name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        sys.modules[name] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(sys.modules[name])
+    return sys.modules[name]
+
+
+class Loop:
+    """A closed loop of the shipped cores around any plant that steps like the real one."""
+
+    def __init__(self, name: str, valve_system: str, changes: dict | None = None) -> None:
+        self.scenario = load_scenario(name)
+        self.parameters = self.scenario.parameter_values().with_values(changes or {})
+        self.valve_system = valve_system
+
+    def plant(self) -> Plant:
+        """Return the plant under test."""
+        return Plant(self.parameters, self.valve_system)
+
+    def run(self, plant, ticks: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Return states and inputs of every tick, shapes (n, states) and (n, 6)."""
+        p, n = self.parameters, ticks or self.scenario.ticks
+        driver = Driver(p, self.scenario.manoeuvre.make(), self.scenario.ticks)
+        vehicle = Vehicle(p, self.scenario.load.make(), self.scenario.ticks)
+        closed = self.valve_system == "closed_centre"
+        valves = [ValveController(p, "left"), ValveController(p, "right")] if closed else []
+        states, inputs = np.empty((n, len(plant.state))), np.empty((n, 6))
+        for tick in range(n):
+            states[tick] = plant.state
+            measured = plant.out
+            forces = [valve.step(tick, *measured)[1] for valve in valves] or (0.0, 0.0)
+            torque, _ = driver.step(tick, *measured[:3])
+            inputs[tick] = (torque, *forces, *vehicle.step(tick, *measured[6:]))
+            plant.step(tick, *inputs[tick])
+        return states, inputs
+
+
+@pytest.fixture(scope="session")
+def independent() -> ModuleType:
+    """Return the plant written a second time."""
+    return beside("independent_plant")
+
+
+@pytest.fixture(scope="session")
+def closed_loop() -> type[Loop]:
+    """Return the class of closed loops around a plant."""
+    return Loop
+
+
+@pytest.fixture(scope="session")
+def manoeuvres() -> dict:
+    """Return (states, inputs) of the plant under test over each shipped manoeuvre, made once."""
+    return {}
