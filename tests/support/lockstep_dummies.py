@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import time
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from steering_lockstep.clock_node import ClockNode
-from steering_lockstep.graph import NodeSpec, check_graph
+from steering_lockstep.graph import Graph, NodeSpec, check_graph
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.topics import wire
 
@@ -35,25 +38,24 @@ class Mix:
         return self.out
 
 
-class Digest:
-    """Adds the digest of all that the core has seen to a node's result."""
+class Plant(ClockNode):
+    """A clock that tells the digest of all that its core has seen."""
 
-    def result(self):
+    def result(self) -> dict[str, Any]:
         return {**super().result(), "digest": self.core.seen.hexdigest()}
 
 
-class Plant(Digest, ClockNode):
-    pass
+class Node(LockstepNode):
+    """A node that tells the digest of all that its core has seen."""
 
-
-class Node(Digest, LockstepNode):
-    pass
+    def result(self) -> dict[str, Any]:
+        return {**super().result(), "digest": self.core.seen.hexdigest()}
 
 
 class Troubled(Node):
     """Does something wrong at tick 50: what its parameter ``trouble`` says."""
 
-    def publish(self, tick, out):
+    def publish(self, tick: int, out: Any) -> None:
         trouble = self.values()["trouble"] if tick == 50 else None
         name = self.spec.outputs[0]
         if trouble == "hang":
@@ -72,67 +74,102 @@ class Troubled(Node):
         super().publish(tick, out)
 
 
-def _size(spec):
+def _size(spec: NodeSpec) -> int:
     return sum(len(wire(name).fields) for name in spec.outputs)
 
 
-def plant(context, spec, run, parameters):
+def plant(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     return Plant(context, spec, run, parameters, lambda values: Mix(_size(spec), 1))
 
 
-def node(context, spec, run, parameters):
+def node(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     return Node(context, spec, run, parameters, lambda values: Mix(_size(spec), len(spec.name)))
 
 
-def troubled(context, spec, run, parameters):
+def troubled(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     return Troubled(context, spec, run, parameters, lambda values: Mix(_size(spec), 5))
 
 
-def refusing(context, spec, run, parameters):
+def refusing(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     raise ValueError("no such spring")
 
 
-def endless(context, spec, run, parameters):
+def endless(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     time.sleep(1000.0)
 
 
-def graph(delays=None, periods=None, driver="node", extra=()):
+def slow_recorder(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
+    from steering_bringup.recorder_node import RecorderNode
+
+    class Slow(RecorderNode):
+        def drain(self) -> None:
+            before = self.done
+            super().drain()
+            time.sleep(0.05 * (self.done - before) / 100)
+
+    return Slow(context, spec, run, parameters)
+
+
+def full_disk(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
+    """A recorder whose bag cannot grow any more at tick 500."""
+    from steering_bringup.bags import BagError
+    from steering_bringup.recorder_node import RecorderNode
+
+    recorder = RecorderNode(context, spec, run, parameters)
+    write = recorder.writer.write_block
+
+    def fail(stamps: np.ndarray, payloads: Any) -> None:
+        if stamps[-1] > 500_000_000:
+            raise BagError(OSError(errno.ENOSPC, "No space left on device").strerror)
+        write(stamps, payloads)
+
+    recorder.writer.write_block = fail  # type: ignore[assignment,method-assign]
+    return recorder
+
+
+def graph(
+    delays: Mapping[tuple[str, str], int] | None = None,
+    periods: Mapping[str, int] | None = None,
+    driver: str = "node",
+    recorder: str | None = None,
+) -> Graph:
     """Return a graph like the closed-centre bench; ``delays``: {(topic, node): ticks}."""
     delays, periods = delays or {}, periods or {}
 
-    def inputs(name, *topics):
+    def inputs(name: str, *topics: str) -> dict[str, int]:
         return {t: delays.get((t, name), 0) for t in topics}
 
-    def spec(name, kind, topics, *outputs):
+    def spec(name: str, kind: str, topics: tuple[str, ...], *outputs: str) -> NodeSpec:
         period = periods.get(name, 1)
         return NodeSpec(name, f"{HERE}:{kind}", inputs(name, *topics), outputs, period)
 
     commands = ("/driver/torque", "/valve/left/command", "/valve/right/command")
-    return check_graph(
-        [
-            spec("plant", "plant", (*commands, "/vehicle/rack_force"), *MEASURED, "/clock"),
-            spec("left", "node", MEASURED, "/valve/left/command"),
-            spec("right", "node", MEASURED, "/valve/right/command"),
-            spec("driver", driver, MEASURED[:1], "/driver/torque"),
-            spec("vehicle", "node", MEASURED[2:], "/vehicle/rack_force"),
-            *extra,
-        ]
-    )
+    nodes = [
+        spec("plant", "plant", (*commands, "/vehicle/rack_force"), *MEASURED, "/clock"),
+        spec("left", "node", MEASURED, "/valve/left/command"),
+        spec("right", "node", MEASURED, "/valve/right/command"),
+        spec("driver", driver, MEASURED[:1], "/driver/torque"),
+        spec("vehicle", "node", MEASURED[2:], "/vehicle/rack_force"),
+    ]
+    if recorder is not None:
+        topics = {name: 0 for node in nodes for name in node.outputs}
+        nodes.append(NodeSpec("recorder", recorder, topics, ("/recorder/credit",)))
+    return check_graph(nodes)
 
 
-def reference(checked, ticks):
+def reference(checked: Graph, ticks: int) -> dict[str, str]:
     """Return each node's digest from a plain loop without ROS, barrier or messages."""
     cores = {n.name: Mix(_size(n), 1 if n is checked.clock else len(n.name)) for n in checked.nodes}
-    published = {name: {} for name in checked.publisher}
+    published: dict[str, dict[int, list[float]]] = {name: {} for name in checked.publisher}
 
-    def publish(spec, tick):
+    def publish(spec: NodeSpec, tick: int) -> None:
         start = 0
         for name in spec.outputs:
             stop = start + len(wire(name).fields)
             published[name][tick] = cores[spec.name].out[start:stop].tolist()
             start = stop
 
-    def seen(spec, tick):
+    def seen(spec: NodeSpec, tick: int) -> Iterator[float]:
         for name, delay in spec.inputs.items():
             past = [t for t in published[name] if t <= tick - delay]
             yield from published[name][max(past)] if past else [0.0] * len(wire(name).fields)

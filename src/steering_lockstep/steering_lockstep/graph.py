@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 
 RECORDER_KIND = "recorder"
+CLOCK = "/clock"
+CREDIT = "/recorder/credit"
+"""Published by a recorder: the clock waits when it lags too far behind."""
 
 
 class GraphError(ValueError):
@@ -79,7 +82,7 @@ def _check_names(nodes: tuple[NodeSpec, ...]) -> None:
 
 
 def _the_clock(nodes: tuple[NodeSpec, ...]) -> NodeSpec:
-    clocks = [n for n in nodes if "/clock" in n.outputs]
+    clocks = [n for n in nodes if CLOCK in n.outputs]
     if len(clocks) != 1:
         names = ", ".join(n.name for n in clocks) or "none"
         raise GraphError(f"exactly one node must publish /clock; there is: {names}")
@@ -123,7 +126,7 @@ def _check_feeds_clock(
         feeding |= sources
         todo += [by_name[name] for name in sources]
     for node in nodes:
-        if node.name not in feeding and node.kind != RECORDER_KIND:
+        if node.name not in feeding and CREDIT not in node.outputs:
             raise GraphError(f"node '{node.name}' gives nothing that the clock waits for")
 
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
 
+from steering_lockstep.graph import CLOCK, CREDIT
 from steering_lockstep.wire import Wire
 
-CLOCK = "/clock"
-CREDIT = "/recorder/credit"
+__all__ = ["CLOCK", "CREDIT", "DIAGNOSTICS", "TABLE", "Topic", "TopicError", "topic", "wire"]
+
 DIAGNOSTICS = "/diagnostics"
 
 
