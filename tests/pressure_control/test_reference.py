@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import brentq
+
 from pressure_control.record import controller_record
 from pressure_control.reference import compensation_speed, mirrored, reference_pressures
-from scipy.optimize import brentq
 from steering_core.parameters import load_parameters
 from steering_plant.boost_curve import FORMULA, boost_pressure, boost_table, opening_areas
 
@@ -93,8 +94,9 @@ def test_compensation_speed_is_the_wheels_at_once_and_the_racks_in_the_end():
     for _ in range(50):
         speed, slip = compensation_speed(P, slip, 0.05, 0.02)
         speeds.append(speed)
-    # velocity_lowpass: 10 ms, exact for a held input
-    expected = 0.02 + 0.03 * np.exp(-np.arange(1, 51) / 10)
+    # exact for a held input
+    lowpass = PARAMETERS["valve_controller.velocity_lowpass"]
+    expected = 0.02 + 0.03 * np.exp(-1e-3 * np.arange(1, 51) / lowpass)
     np.testing.assert_allclose(speeds, expected, rtol=1e-12)
 
 

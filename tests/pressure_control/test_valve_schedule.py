@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from pressure_control.linear_valve import displacement_for_flow, linearise
+
+from pressure_control.linear_valve import linearise
 from pressure_control.record import controller_record
 from pressure_control.schedule import (
     flow_feed_forward,
@@ -12,6 +13,7 @@ from pressure_control.schedule import (
     scheduled_poles,
     uncovered_depth,
 )
+from pressure_control.valve_gains import displacement_for_flow
 from steering_core.parameters import load_parameters
 from steering_plant.control_valve import holes_area
 

@@ -27,9 +27,11 @@ def desired_resonance(p: Any, load_pressure: float) -> float:
     """Return w_k [rad/s] where the open-centre valve would hold ``load_pressure`` [Pa].
 
     The boost curve grows steeper with pressure, and the steering loop's gain with it, while the
-    open-centre valve grows slower. So w_k falls to one half at resonance_fall_pressure.
+    open-centre valve grows slower. So w_k falls to one half at resonance_fall_pressure, but not
+    below slowest_resonance, where its lag would cost more than its gain.
     """
-    return p.resonance / (1.0 + p.resonance_fall_rate * abs(load_pressure))
+    falling = p.resonance / (1.0 + p.resonance_fall_rate * abs(load_pressure))
+    return max(falling, min(p.resonance, p.slowest_resonance))
 
 
 @kernel

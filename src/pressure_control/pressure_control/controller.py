@@ -84,15 +84,16 @@ def limited_force(p: Any, state: np.ndarray, increment: float, rest: float) -> f
     """Integrate by ``increment`` [Pa] and return the force (5.1) F = e A_c + f_0 [N].
 
     rest [Pa]: the demand without the integrator. The force stays within what a solenoid can push;
-    the integrator stands still while the force is at a limit and the error would drive it on.
+    an error that drives on at a limit fills the integrator up to the limit and no further.
     """
     lowest = -p.spring_preload / p.pressure_area
     highest = (p.maximum_solenoid_force - p.spring_preload) / p.pressure_area
-    integral = bounded(state[INTEGRAL] + increment, lowest, highest)
-    too_high = increment > 0.0 and integral + rest > highest
-    too_low = increment < 0.0 and integral + rest < lowest
-    if not (too_high or too_low):
-        state[INTEGRAL] = integral
+    integral = state[INTEGRAL]
+    if increment > 0.0:
+        integral = min(integral + increment, max(integral, highest - rest))
+    else:
+        integral = max(integral + increment, min(integral, lowest - rest))
+    state[INTEGRAL] = bounded(integral, lowest, highest)
     demand = bounded(state[INTEGRAL] + rest, lowest, highest)
     return bounded(demand * p.pressure_area + p.spring_preload, 0.0, p.maximum_solenoid_force)
 

@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from pressure_control.linear_valve import valve_fields
 from pressure_control.schedule import schedule_fields
+from pressure_control.valve_gains import valve_fields
 from steering_core.parameters import ParameterSet, record
 from steering_core.ticks import TICK_PERIOD
 from steering_plant.boost_curve import FORMULA, valve_constants

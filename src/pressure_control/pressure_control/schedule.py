@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pressure_control.limits import bounded
-from pressure_control.linear_valve import (
+from pressure_control.valve_gains import (
     closed_loop_poles,
     edge_areas,
     edge_gains,

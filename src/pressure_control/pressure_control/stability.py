@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pressure_control.sampled_loop import SteeringPoint, spectral_radius, steering_point
+from pressure_control.operating_point import SteeringPoint, steering_point
+from pressure_control.sampled_loop import spectral_radius
 from steering_core.parameters import ParameterError, ParameterSet
 from steering_plant.boost_curve import FORMULA
 
-POINTS = ((0.0, 0.0, 1.03), (1.5, 0.04, 1.03), (2.85, 0.001, 1.075))
+POINTS = ((0.0, 0.0, 1.03), (1.5, 0.04, 1.03), (2.85, 0.001, 1.08))
 """Torsion-bar torque [N m], rack speed [m/s] and growth a tick of the points: at rest, fast through
 the middle, and at the turn of an on-centre cycle.
 
