@@ -7,7 +7,6 @@ from typing import NoReturn
 
 from bootstrap.ensure import Ready, ensure
 from bootstrap.errors import SetupError
-from bootstrap.help_text import HELP
 from bootstrap.layout import Layout, python_of
 from bootstrap.start import RETRIED
 from bootstrap.variables import for_run
@@ -38,7 +37,9 @@ def dispatch(layout: Layout, arguments: list[str]) -> int:
     """Hand the call to whoever answers it."""
     command = arguments[0] if arguments else "--help"
     if command in ("-h", "--help", "help"):
-        print(HELP)
+        from bootstrap import help_text
+
+        print(help_text.text(layout.root))
         return 0
     if command == "setup":
         from bootstrap import setup_command
