@@ -13,6 +13,7 @@ from pressure_control.controller import CONTROLLERS, INTEGRAL, ValveController
 from pressure_control.linear_valve import linearise, simplified_response
 from pressure_control.schedule import scheduled_poles
 from steering_core.parameters import load_parameters
+from steering_plant.boost_curve import boost_pressure, boost_table
 from steering_plant.plant import Plant
 
 PARAMETERS = load_parameters()
@@ -93,6 +94,20 @@ def test_finite_inputs_give_outputs_within_the_limits(rows):
             assert 0.0 <= force <= STRONGEST
             assert 0.0 <= reference <= 2.0 * SUPPLY
             assert np.all(np.isfinite(controller.state))
+
+
+@pytest.mark.parametrize("torque", [-3.0, -0.8, 0.0, 1.4])
+def test_a_measured_boost_curve_takes_the_formulas_place(tmp_path, torque):
+    """An uneven curve: each side follows its own half of it."""
+    path = tmp_path / "curve.csv"
+    path.write_text(
+        "torsion_bar_torque_Nm,load_pressure_Pa\n-4,-9e6\n-2,-8e5\n0,0\n2,1.2e6\n4,7e6\n"
+    )
+    table = boost_table(path)
+    sides = {side: ValveController(PARAMETERS, side, table) for side in ("left", "right")}
+    found = {side: core.step(0, *measured(torque=torque))[0] for side, core in sides.items()}
+    curve = boost_pressure(sides["right"].par[0], table, torque)
+    assert found["right"] - found["left"] == pytest.approx(curve, rel=1e-9, abs=1e-2)
 
 
 def test_one_tick_is_the_compensators_difference_equation():
