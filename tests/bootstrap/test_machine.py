@@ -38,8 +38,7 @@ def test_complete_machine_passes(tmp_path):
 
 
 def test_path_that_colcon_cannot_build_is_refused(tmp_path):
-    assert "a space" in complaint(tmp_path / "my bench")
-    assert ":" in complaint(tmp_path / "a:b")
+    assert "a path with $ :" in complaint(tmp_path / "a:b$c")
 
 
 def test_other_processor_is_refused(tmp_path, monkeypatch):

@@ -29,10 +29,9 @@ def check(layout: Layout) -> None:
 
 def _place(root: Path) -> None:
     # Search paths are lists with these separators, and CMake expands the dollar.
-    bad = sorted(set(str(root)) & set(":;$\"'\\ "))
+    bad = sorted(set(str(root)) & set(":;$\"'\\"))
     if bad:
-        names = " ".join("a space" if sign == " " else sign for sign in bad)
-        raise SetupError(f"move the project: its path contains {names}, which colcon cannot build")
+        raise SetupError(f"move the project: colcon cannot build below a path with {' '.join(bad)}")
 
 
 def _platform() -> None:
