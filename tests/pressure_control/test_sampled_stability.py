@@ -75,6 +75,12 @@ def test_a_controller_is_not_made_with_an_unstable_choice():
         ValveController(changed(resonance=3000.0), "left")
 
 
+@pytest.mark.parametrize("resonance", [1e5, 1e150, 1e300])
+def test_absurd_resonances_get_the_same_advice(resonance):
+    with pytest.raises(ControllerError, match=r"at most 2\.\d\de\+03 rad/s is stable"):
+        check_sampled_stability(changed(resonance=resonance))
+
+
 def test_a_nominal_displacement_inside_the_overlap_is_refused():
     overlapped = PARAMETERS.with_values({"pressure_control_valve.underlap": -3e-5})
     with pytest.raises(ControllerError, match="nominal_spool_displacement"):

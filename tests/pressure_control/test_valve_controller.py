@@ -142,6 +142,13 @@ def test_saturation_is_left_at_once():
     assert forces[-1] < 0.5 * STRONGEST
 
 
+def test_a_weak_solenoid_starts_at_its_limit():
+    weak = PARAMETERS.with_values({"pressure_control_valve.maximum_solenoid_force": 10.0})
+    controller = ValveController(weak, "left")
+    assert controller.out[1] == 10.0
+    assert controller.step(0, *measured())[1] <= 10.0
+
+
 def test_integrator_never_exceeds_what_the_solenoid_can_hold():
     controller = fresh("right")
     p = controller.par[0]

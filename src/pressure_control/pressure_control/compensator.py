@@ -23,15 +23,16 @@ from steering_core.ticks import TICK_PERIOD
 
 
 @kernel
-def desired_resonance(p: Any, load_pressure: float) -> float:
+def desired_resonance(p: Any, resonance: float, load_pressure: float) -> float:
     """Return w_k [rad/s] where the open-centre valve would hold ``load_pressure`` [Pa].
 
-    The boost curve grows steeper with pressure, and the steering loop's gain with it, while the
-    open-centre valve grows slower. So w_k falls to one half at resonance_fall_pressure, but not
-    below slowest_resonance, where its lag would cost more than its gain.
+    resonance [rad/s]: w_k at zero load pressure. The boost curve grows steeper with pressure,
+    and the steering loop's gain with it, while the open-centre valve grows slower. So w_k falls
+    to one half at resonance_fall_pressure, but not below slowest_resonance, where its lag would
+    cost more than its gain.
     """
-    falling = p.resonance / (1.0 + p.resonance_fall_rate * abs(load_pressure))
-    return max(falling, min(p.resonance, p.slowest_resonance))
+    falling = resonance / (1.0 + p.resonance_fall_rate * abs(load_pressure))
+    return max(falling, min(resonance, p.slowest_resonance))
 
 
 @kernel

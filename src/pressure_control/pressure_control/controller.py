@@ -66,7 +66,7 @@ def controller_step(
     flow = p.piston_area * wheel_v
     area, depth, drop = opening_for_flow(p, working, highest, flow)
     w_0, d_0, K_s = scheduled_poles(p, working, highest, flow, area, depth, p.side * rack_x)
-    w_k = desired_resonance(p, load_pressure)
+    w_k = desired_resonance(p, p.resonance, load_pressure)
     direct, filtered, integral_weight, error_weight = compensator_gains(
         w_k, p.damping, w_0, d_0, K_s
     )
@@ -168,4 +168,5 @@ def rest_output(par: np.ndarray, table: np.ndarray) -> tuple[float, float]:
     """
     p = par[0]
     pressure, _ = reference_pressures(p, table, 0.0, 0.0, float(p["supply_pressure"]))
-    return float(pressure), rest_solenoid_force(p, float(pressure))
+    force = rest_solenoid_force(p, float(pressure))
+    return float(pressure), min(force, float(p["maximum_solenoid_force"]))

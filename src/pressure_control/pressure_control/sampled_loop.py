@@ -41,7 +41,7 @@ def loop_matrix(
     matrix[PLANT_SIZE] = slip
     demands = []
     for number, chamber in enumerate(point.chambers):
-        w_k = desired_resonance(p, chamber.load_pressure) * resonance / p["resonance"]
+        w_k = desired_resonance(p, resonance, chamber.load_pressure)
         gains = compensator_gains(w_k, damping, *chamber.poles)
         direct, filtered, integral_weight, error_weight = gains
         error = chamber.by_torque * torque + chamber.by_speed * (wheel + slip)
@@ -68,6 +68,9 @@ def loop_matrix(
 def spectral_radius(
     point: SteeringPoint, resonance: float, damping: float, delay: int = 0
 ) -> float:
-    """Return the largest eigenvalue's size: below 1 the loop is stable."""
-    eigenvalues = np.linalg.eigvals(loop_matrix(point, resonance, damping, delay))
-    return float(np.max(np.abs(eigenvalues)))
+    """Return the largest eigenvalue's size: below 1 the loop is stable; inf beyond all numbers."""
+    with np.errstate(all="ignore"):
+        matrix = loop_matrix(point, resonance, damping, delay)
+    if not np.all(np.isfinite(matrix)):
+        return np.inf
+    return float(np.max(np.abs(np.linalg.eigvals(matrix))))

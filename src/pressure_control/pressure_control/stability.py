@@ -9,6 +9,7 @@ import numpy as np
 from pressure_control.operating_point import SteeringPoint, steering_point
 from pressure_control.sampled_loop import spectral_radius
 from steering_core.parameters import ParameterError, ParameterSet
+from steering_core.ticks import TICK_PERIOD
 from steering_plant.boost_curve import FORMULA
 
 POINTS = ((0.0, 0.0, 1.03), (1.5, 0.04, 1.03), (2.85, 0.001, 1.08))
@@ -62,7 +63,7 @@ def largest_stable_resonance(
     points: Sequence[Point], highest: float, damping: float, delay: int = 0
 ) -> float:
     """Return the largest resonance [rad/s] up to ``highest`` that passes at all points, or 0."""
-    low, high = 0.0, highest
+    low, high = 0.0, min(highest, np.pi / TICK_PERIOD)
     for _ in range(8):
         middle = 0.5 * (low + high)
         if all(growth_excess(point, middle, damping, delay) < 0.0 for point in points):
