@@ -51,7 +51,7 @@ def opening_areas(p, table, torque):
     pressure = abs(boost_pressure(p, table, torque))
     widening = math.tanh(abs(torque) / p.opening_torque)
     wide = p.centre_opening + (p.maximum_opening - p.centre_opening) * widening
-    narrow = 1.0 / math.sqrt(pressure / p.bridge_constant + 1.0 / (wide * wide))
+    narrow = wide / math.sqrt(1.0 + pressure * wide * wide / p.bridge_constant)
     if torque >= 0.0:
         return wide, narrow
     return narrow, wide

@@ -7,7 +7,16 @@ from steering_core.compiled import kernel
 from . import mechanics, slots
 from .closed_centre import closed_centre_rates
 from .open_centre import open_centre_rates
-from .states import COLUMN_FRICTION, LEFT, RACK_FRICTION, RIGHT
+from .states import (
+    COLUMN_FRICTION,
+    CONTROL,
+    LEFT,
+    LEFT_VALVE,
+    PUMP,
+    RACK_FRICTION,
+    RIGHT,
+    RIGHT_VALVE,
+)
 
 
 @kernel
@@ -39,9 +48,13 @@ def settle(p, e, y):
 
 @kernel
 def possible(p, y):
-    """Return whether the state is finite and both chambers are above absolute zero."""
+    """Return whether the state is finite and every volume is above absolute zero pressure."""
     total = 0.0
     for value in y:
         total += abs(value)
     vacuum = -p.atmospheric_pressure
-    return total < 1e15 and y[LEFT] > vacuum and y[RIGHT] > vacuum
+    if not (total < 1e15 and y[LEFT] > vacuum and y[RIGHT] > vacuum):
+        return False
+    if p.closed_centre > 0.0:
+        return y[LEFT_VALVE + CONTROL] > vacuum and y[RIGHT_VALVE + CONTROL] > vacuum
+    return y[PUMP] > vacuum
