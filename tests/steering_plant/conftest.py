@@ -1,8 +1,3 @@
-import importlib.util
-import sys
-from pathlib import Path
-from types import ModuleType
-
 import numpy as np
 import pytest
 
@@ -11,18 +6,6 @@ from pressure_control.controller import ValveController
 from steering_bringup.scenario_files import load_scenario
 from steering_plant.plant import Plant
 from vehicle_model.vehicle import Vehicle
-
-
-def beside(name: str) -> ModuleType:
-    """Return a module of this folder, which compiled functions in it can be found by again."""
-    if name not in sys.modules:
-        path = Path(__file__).with_name(f"{name}.py")
-        spec = importlib.util.spec_from_file_location(name, path)
-        assert spec is not None
-        assert spec.loader is not None
-        sys.modules[name] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[name])
-    return sys.modules[name]
 
 
 class Loop:
@@ -56,18 +39,20 @@ class Loop:
 
 
 @pytest.fixture(scope="session")
-def independent() -> ModuleType:
-    """Return the plant written a second time."""
-    return beside("independent_plant")
-
-
-@pytest.fixture(scope="session")
 def closed_loop() -> type[Loop]:
     """Return the class of closed loops around a plant."""
     return Loop
 
 
 @pytest.fixture(scope="session")
-def manoeuvres() -> dict:
-    """Return (states, inputs) of the plant under test over each shipped manoeuvre, made once."""
-    return {}
+def trajectory(closed_loop):
+    """Return a function that gives the plant's states and inputs over a shipped manoeuvre."""
+    manoeuvres = {}
+
+    def made(name: str, system: str) -> tuple[np.ndarray, np.ndarray]:
+        if (name, system) not in manoeuvres:
+            loop = closed_loop(name, system)
+            manoeuvres[name, system] = loop.run(loop.plant())
+        return manoeuvres[name, system]
+
+    return made

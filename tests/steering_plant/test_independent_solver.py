@@ -2,21 +2,11 @@
 
 import numpy as np
 import pytest
+from independent_plant import IndependentPlant
 
 SYSTEMS = ("open_centre", "closed_centre")
 MANOEUVRES = ("on_centre", "dry_park")
 ALLOWED = 1e-3  # of a state's range over the manoeuvre
-
-
-@pytest.fixture(scope="module")
-def trajectory(closed_loop, manoeuvres):
-    def made(name, system):
-        if (name, system) not in manoeuvres:
-            loop = closed_loop(name, system)
-            manoeuvres[name, system] = loop.run(loop.plant())
-        return manoeuvres[name, system]
-
-    return made
 
 
 def assert_alike(states, expected, names, span):
@@ -27,30 +17,30 @@ def assert_alike(states, expected, names, span):
 
 @pytest.mark.parametrize("system", SYSTEMS)
 @pytest.mark.parametrize("name", MANOEUVRES)
-def test_every_state_in_the_closed_loop(name, system, closed_loop, independent, trajectory):
+def test_every_state_in_the_closed_loop(name, system, closed_loop, trajectory):
     """Classical Runge-Kutta in 20 us; the two loops share nothing but the controllers."""
     loop = closed_loop(name, system)
-    plant = independent.IndependentPlant(loop.parameters, system, "runge_kutta")
+    plant = IndependentPlant(loop.parameters, system, "runge_kutta")
     expected, _ = loop.run(plant)
     assert_alike(trajectory(name, system)[0], expected, plant.names, np.ptp(expected, axis=0))
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
 @pytest.mark.parametrize("name", MANOEUVRES)
-def test_every_state_against_lsoda(name, system, independent, trajectory, closed_loop):
+def test_every_state_against_lsoda(name, system, trajectory, closed_loop):
     """LSODA, restarted every tick under the recorded commands and never reset."""
     states, inputs = trajectory(name, system)
-    plant = independent.IndependentPlant(closed_loop(name, system).parameters, system, "LSODA")
+    plant = IndependentPlant(closed_loop(name, system).parameters, system, "LSODA")
     expected = replayed(plant, states, inputs)
     assert_alike(states, expected, plant.names, np.ptp(states, axis=0))
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
-def test_every_state_against_radau(system, independent, trajectory, closed_loop):
+def test_every_state_against_radau(system, trajectory, closed_loop):
     """Radau over the fastest movement: 377 deg/s at the end of the sweep."""
     states, inputs = trajectory("on_centre", system)
     parameters = closed_loop("on_centre", system).parameters
-    plant = independent.IndependentPlant(parameters, system, "Radau", rtol=1e-6)
+    plant = IndependentPlant(parameters, system, "Radau", rtol=1e-6)
     expected = replayed(plant, states[-100:], inputs[-100:])
     assert_alike(states[-100:], expected, plant.names, np.ptp(states, axis=0))
 

@@ -6,6 +6,8 @@ differential equation (where the limit falls it carries the force along), end st
 Compiled, so that stiff solvers get through a manoeuvre.
 """
 
+# mypy: allow-untyped-defs
+
 from math import acos, copysign, exp, hypot, pi, sqrt, tanh
 from typing import NamedTuple
 
@@ -299,7 +301,7 @@ def slopes(y, t, c, closed, u):
 class IndependentPlant:
     """Steps like the plant does, by a scipy solver restarted every tick with held commands."""
 
-    def __init__(self, parameters, valve_system, solver="LSODA", rtol=1e-8):
+    def __init__(self, parameters, valve_system, solver="LSODA", rtol=1e-7):
         self.c = sheet(parameters)
         self.closed = valve_system == "closed_centre"
         self.names = CLOSED_CENTRE if self.closed else OPEN_CENTRE
