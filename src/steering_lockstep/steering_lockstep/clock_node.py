@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from steering_lockstep.errors import LockstepError
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import CREDIT_TICKS
 from steering_lockstep.topics import CREDIT, wire
@@ -38,11 +37,11 @@ class ClockNode(LockstepNode):
     def start(self) -> None:
         """Publish tick 0; called once when every endpoint is matched."""
         self.started_at = monotonic_ns()
-        self._guard(self._go)
+        self.guarded(self._go)
 
     def resume(self) -> None:
         """Go on after a sleep of a real-time run."""
-        self._guard(self._go)
+        self.guarded(self._go)
 
     def lacking(self) -> tuple[str, ...]:
         """Return the topics that the node waits for, the recorder's credit among them."""
@@ -102,14 +101,6 @@ class ClockNode(LockstepNode):
             self.waits_for_credit = False
             if self._may_go_on():
                 self._go()
-
-    def _guard(self, action: Callable[[], None]) -> None:
-        try:
-            action()
-        except LockstepError as error:
-            self.on_error(error)
-        except Exception as error:
-            self.on_error(self._core_error(error))
 
 
 def _no_pacing(due: int) -> None:

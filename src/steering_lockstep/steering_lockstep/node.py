@@ -83,6 +83,23 @@ class LockstepNode(Node):
             if entry not in self._followers:
                 yield entry
 
+    def start(self) -> None:
+        """Do the ticks that need no message; called once when every endpoint is matched.
+
+        Without it a node whose inputs are all delayed would wait for a message to wake it up.
+        """
+        if self.spec.inputs and not self.barrier.missing:
+            self.guarded(self._complete)
+
+    def guarded(self, action: Callable[[], None]) -> None:
+        """Do ``action``; what it raises goes to ``on_error``."""
+        try:
+            action()
+        except LockstepError as error:
+            self.on_error(error)
+        except Exception as error:
+            self.on_error(self._core_error(error))
+
     def publish(self, tick: int, out: Sequence[float]) -> None:
         """Publish the numbers of ``out``, each message with its own."""
         for emit, start, stop in self._parts:
@@ -91,6 +108,15 @@ class LockstepNode(Node):
     def receiver(self, index: int) -> Callable[[bytes], None]:
         """Return the function that takes the bytes of input ``index``."""
         return self.barrier.receiver(index, self._complete)
+
+    @property
+    def raw(self) -> Mapping[str, PlainSubscription]:
+        """The subscriptions of the node's inputs by topic."""
+        return self._plain
+
+    def wake_for(self, names: Sequence[str]) -> None:
+        """Have the executor wake the node for these inputs only; the others it takes by itself."""
+        self._followers = {entry for name, entry in self._plain.items() if name not in names}
 
     def values(self) -> dict[str, Any]:
         """Return the values of the node's parameters by name."""
@@ -133,6 +159,8 @@ class LockstepNode(Node):
     def _complete(self) -> None:
         """Do every tick whose inputs are there."""
         barrier, core, last = self.barrier, self.core, self.run.ticks
+        if self.finished:
+            return  # delayed inputs go on arriving: they belong to ticks that are not run
         while True:
             tick = barrier.tick
             self.busy = True

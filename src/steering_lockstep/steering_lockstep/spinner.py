@@ -50,11 +50,10 @@ class Spinner:
         """Serve callbacks for a while; less when stopped."""
         self.executor.spin_until_future_complete(self._future, timeout_sec=seconds)
 
-    def start_clock(self) -> None:
-        """Let the clock start, from any thread."""
+    def start(self) -> None:
+        """Let the nodes start, from any thread: the clock, and whoever waits for nobody."""
         for node in self.nodes:
-            if isinstance(node, ClockNode):
-                self.executor.create_task(node.start)
+            self.executor.create_task(node.start)
 
     def run(self) -> None:
         """Serve callbacks until all nodes are finished, an error comes up, or ``stop``."""

@@ -151,7 +151,7 @@ def _watch(link: Link, spinner: Spinner) -> None:
 
 def _heed(link: Link, spinner: Spinner, word: str) -> None:
     if word == "go":
-        spinner.start_clock()
+        spinner.start()
         return
     if word == "terminate":
         names = ", ".join(f"'{node.spec.name}'" for node in spinner.nodes)

@@ -78,8 +78,9 @@ class Zygote:
 
 def serve(descriptor: int) -> None:
     """Import the owner's modules, then fork and reap as it asks, until it goes away."""
-    # Blocked, not ignored, and so in all that is forked: Ctrl-C is the owner's business alone.
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    # Blocked, not ignored, and so in all that is forked: a signal to the whole group is the owner's
+    # business alone, and it needs this process to end the others in order.
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     children: set[int] = set()
     with socket.socket(fileno=descriptor) as owner, contextlib.suppress(EOFError, OSError):
         _import_all(_receive(owner))

@@ -40,15 +40,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("steer: interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:
-        # The reader of a pipe (head, less) has had enough; nothing is left to be written to it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except Exception as error:
+        if isinstance(error, BrokenPipeError) and _reader_is_gone():
+            return 0
         if options.debug:
             traceback.print_exc()
         print(f"steer {options.command}: {_one_line(error)}", file=sys.stderr)
         return FAILED
+
+
+def _reader_is_gone() -> bool:
+    """Return whether the reader of standard output (head, less) has had enough; then be quiet."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return True
+    return False
 
 
 def _parser(arguments: Sequence[str]) -> _Parser:

@@ -161,4 +161,4 @@ def _status(outcome: Outcome) -> int:
     if outcome.error:
         print(f"steer run: {outcome.error}{kept}", file=sys.stderr)
         return FAILED
-    return 0
+    return 0 if outcome.ok else FAILED
