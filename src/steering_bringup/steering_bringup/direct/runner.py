@@ -167,7 +167,7 @@ def _controller_arrays(controller: ValveController | None) -> tuple[np.ndarray, 
 
 def _absent_controller() -> tuple[np.ndarray, ...]:
     """Return arrays of a controller's types for a loop that has none; they are never used."""
-    from pressure_control.controller import controller_record
+    from pressure_control.record import controller_record
     from steering_core.parameters import load_parameters
     from steering_plant.boost_curve import FORMULA
 
