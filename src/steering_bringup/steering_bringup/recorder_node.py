@@ -24,6 +24,9 @@ from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import CREDIT, topic, wire
 from steering_lockstep.wire import NANOSECONDS_PER_TICK
 
+COLLECT_EVERY = 0.004
+"""s; the recorder is not in the loop's way, and being woken for each message costs more than it."""
+
 
 class RecorderNode(LockstepNode):
     """Keeps the bytes of each topic, and writes them in blocks of whole ticks."""
@@ -40,6 +43,8 @@ class RecorderNode(LockstepNode):
         self.lost = dict.fromkeys(spec.inputs, 0)
         self.done = 0
         super().__init__(context, spec, run, parameters)
+        self.wake_for(())
+        self.create_timer(COLLECT_EVERY, self.collect)
         self._every = {name: run.every(name) for name in spec.inputs}
         values = self.values()
         types = {name: topic(name).type_name.replace("/", "/msg/") for name in spec.inputs}
@@ -51,20 +56,19 @@ class RecorderNode(LockstepNode):
         )
 
     def receiver(self, index: int) -> Callable[[bytes], None]:
-        """Return the function that keeps the bytes of input ``index``, and at times writes."""
-        name = list(self.spec.inputs)[index]
-        kept, total = self.kept[name], self.run.messages(name)
-        block = max(1, CREDIT_EVERY // self.run.every(name))
-        count = 0
+        """Return the function that keeps the bytes of input ``index``."""
+        return self.kept[list(self.spec.inputs)[index]].append
 
-        def keep(data: bytes) -> None:
-            nonlocal count
-            kept.append(data)
-            count += 1
-            if count % block == 0 or count == total:
-                self.drain()
-
-        return keep
+    def collect(self) -> None:
+        """Take every message that has come in, then write the whole ticks."""
+        try:
+            for name, entry in self.raw.items():
+                take, kind, keep = entry.handle.take_message, entry.msg_type, self.kept[name].append
+                while (taken := take(kind, True)) is not None:
+                    keep(taken[0])
+            self.drain()
+        except LockstepError as error:
+            self.on_error(error)
 
     def lacking(self) -> tuple[str, ...]:
         """Return the topics whose next message is not there."""
@@ -76,7 +80,7 @@ class RecorderNode(LockstepNode):
         end = min(ends, default=self.done)
         if end < self.run.ticks:
             end -= end % CREDIT_EVERY
-        if end <= self.done:
+        if end <= self.done or self.finished:
             return
         for every in sorted(set(self._every.values())):
             self._write_block([n for n, e in self._every.items() if e == every], every, end)

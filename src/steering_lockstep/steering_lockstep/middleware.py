@@ -19,4 +19,8 @@ def ros_environment(given: Mapping[str, str]) -> dict[str, str]:
     """Return what to set on top of the environment ``given``; the user's own profile is kept."""
     if given.get(RANGE, "LOCALHOST") != "LOCALHOST" or PROFILE_VARIABLE in given:
         return {"FASTDDS_BUILTIN_TRANSPORTS": given.get("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")}
-    return {RANGE: "SYSTEM_DEFAULT", PROFILE_VARIABLE: str(PROFILE)}
+    return {
+        RANGE: "SYSTEM_DEFAULT",
+        PROFILE_VARIABLE: str(PROFILE),
+        "RMW_FASTRTPS_USE_QOS_FROM_XML": "1",
+    }
