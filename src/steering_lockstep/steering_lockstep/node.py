@@ -45,6 +45,7 @@ class LockstepNode(Node):
         parameters: Mapping[str, Any] | None = None,
         build: Callable[[Mapping[str, Any]], Any] | None = None,
     ) -> None:
+        self.in_events_executor = True
         self._plain: dict[str, PlainSubscription] = {}
         self._followers: set[PlainSubscription] = set()
         super().__init__(
@@ -81,7 +82,7 @@ class LockstepNode(Node):
         for subscription in super().subscriptions:
             entry = plain.get(subscription, subscription)
             if entry not in self._followers:
-                yield entry
+                yield entry if self.in_events_executor else subscription
 
     def start(self) -> None:
         """Do the ticks that need no message; called once when every endpoint is matched.
@@ -221,7 +222,7 @@ class LockstepNode(Node):
                         follower.callback(taken[0])
             receive(data)
 
-        first.callback = receive_all
+        first.callback = first.real.callback = receive_all
 
     def _core_error(self, error: Exception) -> LockstepError:
         text = f"{type(error).__name__}: {error}"

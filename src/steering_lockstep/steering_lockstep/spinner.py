@@ -33,6 +33,7 @@ class Spinner:
         for node in self.nodes:
             node.on_finished = self._check_finished
             node.on_error = self._fail
+            node.in_events_executor = executor is None
             if isinstance(node, ClockNode):
                 node.sleep_until = self._sleep_until
             self.executor.add_node(node)
