@@ -139,13 +139,18 @@ def _traces(cores: Cores, ticks: int, before: int, truth: bool) -> tuple[np.ndar
     """Return the loop's traces; the delayed ones begin with ``before`` rows of rest."""
     present = [True, True, cores.left is not None, cores.right is not None, True]
     delayed = [
-        np.vstack([np.tile(rest, (before, 1)), np.empty((ticks, len(rest)))])
-        if there
-        else np.empty((0, len(rest)))
+        _delayed(rest, before, ticks if there else 0)
         for rest, there in zip(rest_rows(cores), present, strict=True)
     ]
     motion = np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), 6))
     return (*delayed, np.empty((ticks if truth else 0, 8)), motion)
+
+
+def _delayed(rest: np.ndarray, before: int, ticks: int) -> np.ndarray:
+    """Return an empty trace that begins with ``before`` rows of rest; no rows without ticks."""
+    trace = np.empty((before + ticks if ticks else 0, len(rest)))
+    trace[:before] = rest
+    return trace
 
 
 def _arrays(cores: Cores) -> tuple[tuple[np.ndarray, ...], ...]:
