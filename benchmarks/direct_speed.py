@@ -1,0 +1,281 @@
+"""Speed, accuracy and memory of the direct runner, and its ratio to scipy's LSODA.
+
+    python benchmarks/direct_speed.py [--duration 20] [--repetitions 5] [--json FILE]
+
+The closed-centre on-centre manoeuvre on one core. LSODA integrates the same compiled right-hand
+side under the commands that the run recorded, restarted every tick, over 20 stretches spread over
+the manoeuvre. It gets the loosest of its tolerances at which its chamber pressures are as near to
+its own converged solution as the direct runner's are to theirs. It is called in three ways, each time with
+the parameters frozen into one compiled function: solve_ivp(method="LSODA"), which the target is
+about, the bare class scipy.integrate.LSODA, and odeint, where no Python runs between its steps. All are timed in turns within one run; ratios are
+medians over the turns, per tick, of the direct runner's whole loop (controllers, driver and
+vehicle included) and LSODA's plant alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import statistics
+import time
+import tracemalloc
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import scipy
+from scipy.integrate import LSODA, odeint, solve_ivp
+
+from steering_bringup.cores import build_cores
+from steering_bringup.direct.runner import Cores, DirectTrace, run
+from steering_bringup.scenario_files import load_node_set, load_scenario
+from steering_bringup.schema import Scenario
+from steering_plant.model.dynamics import rates, settle
+from steering_plant.model.states import LEFT, RIGHT
+from steering_plant.plant import Plant
+
+TICK = 1e-3  # s
+BAR = 1e5  # Pa
+CONVERGED_STEPS = 20.0
+STRETCHES, STRETCH = 20, 50  # how many, ticks each
+TIGHT = 1e-3
+LOOSER = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
+"""LSODA's absolute tolerances as multiples of the plant's own."""
+RTOL = 1e-9
+
+TARGETS = {"real_time_factor": 200.0, "pressure_error_bar": 0.01, "ratio_to_lsoda": 40.0}
+
+
+def scenario(duration: float, **parameters: float) -> Scenario:
+    """Return the on-centre scenario with a sweep of ``duration`` [s] and changed parameters."""
+    shipped = load_scenario("on_centre")
+    choice = shipped.manoeuvre.model_copy(update={"duration_s": duration})
+    changed = {**shipped.parameters, **parameters}
+    update = {"duration": duration, "manoeuvre": choice, "parameters": changed}
+    return shipped.model_copy(update=update)
+
+
+def fresh(duration: float, **parameters: float) -> Cores:
+    """Return cores at rest for the closed-centre system."""
+    return build_cores(scenario(duration, **parameters), load_node_set("closed_centre"))
+
+
+@dataclass(frozen=True)
+class Taken:
+    """Seconds that a call took."""
+
+    wall: float
+    cpu: float
+
+
+def timed(call: Callable, *arguments: Any) -> Taken:
+    """Return how long ``call`` took."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    call(*arguments)
+    return Taken(time.perf_counter() - wall, time.process_time() - cpu)
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """The plant's way through the manoeuvre: states and inputs of every tick, and the stretches."""
+
+    states: np.ndarray
+    inputs: np.ndarray
+    starts: np.ndarray
+
+
+def recorded(duration: float, trace: DirectTrace) -> Recorded:
+    """Return the way of a converged run."""
+    plant = fresh(duration, **{"simulation.inner_steps": CONVERGED_STEPS}).plant
+    inputs = commands(trace)
+    states = np.empty((len(inputs), len(plant.state)))
+    for tick, held in enumerate(inputs):
+        states[tick] = plant.state
+        plant.step(tick, *held)
+    starts = np.linspace(0, len(inputs) - STRETCH, STRETCHES).astype(int)
+    return Recorded(states, inputs, starts)
+
+
+def commands(trace: DirectTrace) -> np.ndarray:
+    """Return the plant's inputs at every tick, shape (n, 6)."""
+    torque, left, right = trace.driver[:, :1], trace.left_valve[:, 1:], trace.right_valve[:, 1:]
+    return np.ascontiguousarray(np.hstack([torque, left, right, trace.load]))
+
+
+def right_hand_side(plant: Plant) -> Callable[..., np.ndarray]:
+    """Return the plant's rates as one compiled function of (y, t, u), parameters frozen."""
+    par, table, effects = plant.par, plant.table, plant.effects
+    size = len(plant.state)
+
+    @numba.njit(error_model="numpy")
+    def slopes(y: np.ndarray, t: float, u: np.ndarray) -> np.ndarray:
+        dy, flows = np.empty(size), np.empty(3)
+        rates(par[0], table, effects, t, y, u, dy, flows)
+        return dy
+
+    return slopes
+
+
+def by_odeint(slopes: Callable, state: np.ndarray, held: np.ndarray, atol: np.ndarray) -> Any:
+    """Return the state a tick later."""
+    grid = np.array([0.0, TICK])
+    return odeint(slopes, state, grid, (held,), rtol=RTOL, atol=atol, mxstep=5000)[1]
+
+
+def by_class(slopes: Callable, state: np.ndarray, held: np.ndarray, atol: np.ndarray) -> Any:
+    """Return the state a tick later."""
+    solver = LSODA(lambda t, y: slopes(y, t, held), 0.0, state, TICK, rtol=RTOL, atol=atol)
+    while solver.status == "running":
+        solver.step()
+    return solver.y
+
+
+def by_solve_ivp(slopes: Callable, state: np.ndarray, held: np.ndarray, atol: np.ndarray) -> Any:
+    """Return the state a tick later."""
+    span = (0.0, TICK)
+    return solve_ivp(lambda t, y: slopes(y, t, held), span, state, "LSODA", rtol=RTOL, atol=atol).y[
+        :, -1
+    ]
+
+
+def replayed(
+    tick_of: Callable, slopes: Callable, plant: Plant, looser: float, way: Recorded
+) -> np.ndarray:
+    """Return LSODA's chamber pressures [Pa] over the stretches, shape (n, 2)."""
+    allowed = plant.scale * looser
+    pressures = []
+    for start in way.starts:
+        state = way.states[start].copy()
+        for held in way.inputs[start : start + STRETCH]:
+            state = tick_of(slopes, state, held, allowed)
+            settle(plant.par[0], plant.effects, state)
+            pressures.append(state[[LEFT, RIGHT]])
+    return np.array(pressures)
+
+
+def peak_memory(duration: float) -> int:
+    """Return the peak of what a run allocates beside the trace that it returns [bytes]."""
+    cores = fresh(duration)
+    ticks = round(duration / TICK)
+    tracemalloc.start()
+    trace = run(cores, ticks)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    bases = {id(a.base if a.base is not None else a): a for a in vars(trace).values()}
+    return peak - sum((a.base if a.base is not None else a).nbytes for a in bases.values())
+
+
+def worst(pressures: np.ndarray, expected: np.ndarray) -> float:
+    """Return the largest difference of two sets of pressures [bar]."""
+    return float(np.abs(pressures - expected).max()) / BAR
+
+
+def same_accuracy(
+    way: Recorded, plant: Plant, error: float, slopes: Callable
+) -> tuple[float, list[dict[str, float]]]:
+    """Return LSODA's loosest tolerance that keeps ``error`` [bar], and the scan."""
+    exact = replayed(by_odeint, slopes, plant, TIGHT, way)
+    scan = [
+        {"tolerance": k, "error_bar": worst(replayed(by_odeint, slopes, plant, k, way), exact)}
+        for k in LOOSER
+    ]
+    return max(s["tolerance"] for s in scan if s["error_bar"] <= error or s is scan[0]), scan
+
+
+def measure(duration: float, repetitions: int) -> dict[str, Any]:
+    """Return all figures."""
+    ticks = round(duration / TICK)
+    trace = run(fresh(duration), ticks)
+    converged = run(fresh(duration, **{"simulation.inner_steps": CONVERGED_STEPS}), ticks)
+    error = worst(trace.pressure[:, :2], converged.pressure[:, :2])
+
+    plant, way = fresh(duration).plant, recorded(duration, converged)
+    slopes = right_hand_side(plant)
+    tolerance, scan = same_accuracy(way, plant, error, slopes)
+    doors: dict[str, Callable] = {"solve_ivp": by_solve_ivp, "class": by_class, "odeint": by_odeint}
+    direct: list[Taken] = []
+    stiff: dict[str, list[Taken]] = {name: [] for name in doors}
+    for _ in range(repetitions):
+        cores = fresh(duration)
+        direct.append(timed(run, cores, ticks))
+        for name, door in doors.items():
+            stiff[name].append(timed(replayed, door, slopes, plant, tolerance, way))
+    replay = STRETCHES * STRETCH * TICK
+    ratios = {
+        name: statistics.median(
+            (slow.wall / replay) / (fast.wall / duration)
+            for slow, fast in zip(times, direct, strict=True)
+        )
+        for name, times in stiff.items()
+    }
+    short, long = peak_memory(duration), peak_memory(5.0 * duration)
+    return {
+        "duration_s": duration,
+        "repetitions": repetitions,
+        "real_time_factor": duration / statistics.median(t.wall for t in direct),
+        "real_time_factor_best": duration / min(t.wall for t in direct),
+        "real_time_factor_of_cpu_time": duration / statistics.median(t.cpu for t in direct),
+        "pressure_error_bar": error,
+        "ratio_to_lsoda": ratios["solve_ivp"],
+        "ratio_to_lsoda_class": ratios["class"],
+        "ratio_to_lsoda_through_odeint": ratios["odeint"],
+        "lsoda_tolerance": tolerance,
+        "lsoda_scan": scan,
+        "memory_beside_trace_bytes": {"one_length": short, "five_lengths": long},
+        "machine": platform.processor() or platform.machine(),
+        "versions": {"python": platform.python_version(), "scipy": scipy.__version__},
+    }
+
+
+def table(figures: dict[str, Any]) -> str:
+    """Return the figures as lines of text."""
+    memory = figures["memory_beside_trace_bytes"]
+    rows = [
+        ("real time, median", f"{figures['real_time_factor']:.0f} x", ">= 200 x"),
+        ("real time, best", f"{figures['real_time_factor_best']:.0f} x", ""),
+        ("real time, of CPU time", f"{figures['real_time_factor_of_cpu_time']:.0f} x", ""),
+        ("chamber pressures' error", f"{figures['pressure_error_bar']:.1e} bar", "<= 0.01 bar"),
+        ("faster than solve_ivp LSODA", f"{figures['ratio_to_lsoda']:.0f} x", ">= 40 x"),
+        ("the bare class", f"{figures['ratio_to_lsoda_class']:.1f} x", ""),
+        ("through odeint", f"{figures['ratio_to_lsoda_through_odeint']:.1f} x", ""),
+        ("memory beside the trace", f"{memory['one_length'] / 1e3:.0f} kB", ""),
+        ("the same, five lengths", f"{memory['five_lengths'] / 1e3:.0f} kB", "flat"),
+    ]
+    lines = [f"{name:28}{value:>14}   {target}" for name, value, target in rows]
+    scan = [
+        f"  LSODA at {s['tolerance']:5g} x the plant's tolerances: {s['error_bar']:.1e} bar"
+        for s in figures["lsoda_scan"]
+    ]
+    return "\n".join(lines + scan)
+
+
+def reached(figures: dict[str, Any]) -> bool:
+    """Return whether every target is met."""
+    return (
+        figures["real_time_factor"] >= TARGETS["real_time_factor"]
+        and figures["pressure_error_bar"] <= TARGETS["pressure_error_bar"]
+        and figures["ratio_to_lsoda"] >= TARGETS["ratio_to_lsoda"]
+    )
+
+
+def main() -> None:
+    """Measure, print and write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--duration", type=float, default=20.0, help="length of the sweep [s]")
+    parser.add_argument("--repetitions", type=int, default=5)
+    parser.add_argument("--json", type=Path, help="write the figures here too")
+    asked = parser.parse_args()
+    figures = measure(asked.duration, asked.repetitions)
+    figures["targets"] = TARGETS
+    figures["reached"] = reached(figures)
+    print(table(figures))
+    if asked.json:
+        asked.json.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
