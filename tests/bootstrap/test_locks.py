@@ -68,12 +68,30 @@ def test_unused_environment_goes_with_its_stamp(top):
     assert list(top.parent.iterdir()) == []
 
 
-def test_only_the_current_one_is_kept(top):
-    other = top.with_name("ws-2")
+@pytest.mark.parametrize(
+    ("name", "facts", "stays"),
+    [
+        ("env-2", {"python": "3.11"}, False),
+        ("env-2", {"python": "3.13"}, True),
+        ("env-2", None, False),
+        ("ws-2", {"environment": "env-1"}, False),
+        ("ws-2", {"environment": "env-3"}, True),
+        ("ws-2", {"environment": "env-gone"}, False),
+        ("ws-2", None, False),
+    ],
+)
+def test_only_what_is_outdated_goes(top, name, facts, stays):
+    other_python = top.with_name("env-3")
+    other_python.mkdir()
+    stamp.write(other_python, python="3.13")
+    other = top.with_name(name)
     other.mkdir()
-    removal.remove_others(top.parent, {top})
+    if facts is not None:
+        stamp.write(other, **facts)
+    removal.remove_outdated(top.parent, {top}, "3.11")
     assert top.exists()
-    assert not other.exists()
+    assert other_python.exists()
+    assert other.exists() == stays
 
 
 def test_environment_under_removal_cannot_be_marked(top):

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from bootstrap import cmake_paths, lockfile, records, stamp
+from bootstrap import cmake_paths, fingerprint, lockfile, records, stamp
 from bootstrap.layout import Layout, python_of, site_packages
 from bootstrap.logged import LoggedRunner
 from bootstrap.progress import Step, say, step
@@ -72,7 +72,9 @@ def finish(layout: Layout, top: Path) -> None:
     if not layout.system_ros:
         includes = cmake_paths.includes_of(python_of(top), for_build(layout, top, os.environ))
         patched.update(cmake_paths.fix(top / "share", *includes))
-    stamp.write(top, patched=patched, distributions=_versions(layout))
+    stamp.write(
+        top, patched=patched, distributions=_versions(layout), python=fingerprint.python_name()
+    )
 
 
 def _versions(layout: Layout) -> dict[str, str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from bootstrap.layout import Layout
 
 # To be raised when set-up itself changes what it makes.
-FORMAT = "1"
+FORMAT = "2"
 BUILD_FILES = ("package.xml", "CMakeLists.txt", "setup.py", "setup.cfg")
 INTERFACES = ("msg/*.msg", "srv/*.srv", "action/*.action")
 
@@ -22,10 +22,15 @@ def digest(parts: Iterable[bytes]) -> str:
     return total.hexdigest()[:12]
 
 
+def python_name() -> str:
+    """The running Python, the same inside and outside of a virtual environment."""
+    return f"{sys.version} in {sys.base_prefix}"
+
+
 def environment_key(layout: Layout) -> str:
     """Key of the virtual environment: locks, Python, place of the project, source of ROS."""
     ros = os.environ.get("AMENT_PREFIX_PATH", "") if layout.system_ros else "wheels"
-    about = [FORMAT, sys.version, sys.base_prefix, str(layout.root), ros]
+    about = [FORMAT, python_name(), str(layout.root), ros]
     return digest([text.encode() for text in about] + [f.read_bytes() for f in layout.locks()])
 
 

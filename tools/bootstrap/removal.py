@@ -13,12 +13,21 @@ def remove(top: Path) -> None:
         shutil.rmtree(top)
 
 
-def remove_others(state: Path, keep: set[Path]) -> None:
-    """Remove environments and workspaces that are neither kept nor in use."""
-    for pattern in ("env-*", "ws-*"):
-        for top in state.glob(pattern):
-            if top.is_dir() and top not in keep:
-                remove_if_unused(top)
+def remove_outdated(state: Path, keep: set[Path], python: str) -> None:
+    """Remove what newer inputs replaced, and what was never finished.
+
+    Of another Python than `python` the environment stays, so that two can be used in turn; a
+    workspace goes with its environment.
+    """
+    for top in state.glob("env-*/"):
+        facts = stamp.read(top)
+        if top not in keep and (facts is None or facts.get("python") == python):
+            remove_if_unused(top)
+    for top in state.glob("ws-*/"):
+        facts = stamp.read(top) or {}
+        environment = state / str(facts.get("environment"))
+        if top not in keep and (environment in keep or not environment.is_dir()):
+            remove_if_unused(top)
 
 
 def remove_if_unused(top: Path) -> bool:

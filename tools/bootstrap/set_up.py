@@ -10,12 +10,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from bootstrap import environment, locks, machine, stamp, workspace
+from bootstrap import environment, fingerprint, locks, machine, stamp, workspace
 from bootstrap.ensure import Ready, whole
 from bootstrap.layout import Layout
 from bootstrap.logged import LoggedRunner
 from bootstrap.progress import say
-from bootstrap.removal import remove_others
+from bootstrap.removal import remove_outdated
 
 KEPT_LOGS = 10
 
@@ -42,7 +42,7 @@ def _bring_up_to_date(layout: Layout, ready: Ready, lock: int, thorough: bool) -
     if changed or facts is None or stamp.damage(ready.workspace, facts):
         workspace.build(layout, ready.environment, ready.workspace, runner)
         say(f"ready after {time.monotonic() - begin:.0f} s")
-    remove_others(layout.state, set(ready))
+    remove_outdated(layout.state, set(ready), fingerprint.python_name())
     _link(layout.state / "env", ready.environment)
 
 

@@ -30,4 +30,4 @@ def build(layout: Layout, environment: Path, top: Path, runner: LoggedRunner) ->
         runner.run(command, for_build(layout, environment, os.environ), shown, layout.root)
         variables = for_run(layout, environment, top, os.environ)
         runner.run([python, "-c", _PROVE], variables, shown, layout.root)
-    stamp.write(top)
+    stamp.write(top, environment=environment.name)
