@@ -63,7 +63,7 @@ def test_the_list_is_there_in_well_under_a_second():
             ["run", "--procesess", "one"],
             "unknown option '--procesess'; did you mean '--processes'?",
         ),
-        (["list", "scenario"], "unknown what 'scenario'; did you mean 'scenarios'?"),
+        (["list", "scenario"], "unknown list 'scenario'; did you mean 'scenarios'?"),
         (["compare", "only_one"], "BAG"),
     ],
 )

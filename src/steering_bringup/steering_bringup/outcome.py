@@ -17,7 +17,7 @@ class Outcome:
     """``ticks`` of ``planned`` were done in ``wall_time`` s.
 
     ``start_time``: s from the start of the run to its first tick; ``since_command``: s from the
-    start of the command to that tick.
+    start of the command to that tick, 0 for a run that followed another.
 
     ``messages``: recorded; ``lost``: gaps {topic: n}; ``peaks``: largest values {name: (value,
     unit)}; ``error``: why it failed; ``stopped_by``: the signal that ended it; ``latency``: s,

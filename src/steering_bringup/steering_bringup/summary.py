@@ -25,7 +25,8 @@ def _headline(outcome: Outcome) -> str:
         f"{outcome.wall_time:.2f} s" if outcome.wall_time >= 0.1 else f"{outcome.wall_time:.4f} s"
     )
     parts = [f"{ticks} in {wall}", f"{outcome.real_time_factor:.1f} x real time"]
-    parts.append(f"first tick {outcome.since_command:.1f} s after the command")
+    if outcome.since_command:
+        parts.append(f"first tick {outcome.since_command:.1f} s after the command")
     return f"{outcome.scenario} / {outcome.node_set}: {', '.join(parts)}"
 
 

@@ -27,7 +27,7 @@ Entry = dict[str, Any]
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
-        "what",
+        "list",
         nargs="?",
         choices=list(LISTS),
         help="one of the lists (default: an overview)",
@@ -40,14 +40,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Print the lists."""
-    chosen = [options.what] if options.what else [name for name in LISTS if name not in APART]
+    chosen = [options.list] if options.list else [name for name in LISTS if name not in APART]
     tables = {name: _matching(LISTS[name](), options.pattern) for name in chosen}
     if options.pattern and not any(tables.values()):
-        raise BenchError(f"no {options.what[:-1]} matches '{options.pattern}'")
+        raise BenchError(f"no {options.list[:-1]} matches '{options.pattern}'")
     for index, (name, entries) in enumerate(tables.items()):
         print(f"{chr(10) if index else ''}{name.capitalize()}")
         _print(entries)
-    if options.what is None:
+    if options.list is None:
         print("\nAlso: steer list effects, steer list parameters")
     if options.json:
         options.json.write_text(json.dumps(tables, indent=2) + "\n", encoding="utf-8")

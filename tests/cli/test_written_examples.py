@@ -1,0 +1,56 @@
+"""What the documentation shows does work."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from driver_model.manoeuvres import Manoeuvre
+from driver_model.manoeuvres.shapes import smooth_step
+from steering_bringup.cli import COMMANDS
+from steering_bringup.cli import _parser as parser_of
+from steering_bringup.scenario_files import load_scenario
+
+ROOT = Path(__file__).parents[2]
+
+
+def blocks(name: str, language: str) -> list[str]:
+    """Return the code blocks of a Markdown file."""
+    text = (ROOT / name).read_text(encoding="utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+def test_the_readme_s_scenario_is_valid(tmp_path):
+    (text,) = blocks("README.md", "yaml")
+    (tmp_path / "mine.yaml").write_text(text)
+    assert load_scenario(str(tmp_path / "mine.yaml")).duration == yaml.safe_load(text)["duration"]
+
+
+def test_the_manoeuvre_of_the_guide_turns_the_wheel_and_comes_back():
+    code = blocks("docs/extending.md", "python")[0]
+    head = "from dataclasses import dataclass\nfrom typing import ClassVar\n"
+    names = {"np": np, "Manoeuvre": Manoeuvre, "smooth_step": smooth_step, "__name__": "guide"}
+    exec(head + code, names)
+    angle = names["DoubleStep"](angle_deg=20.0).angle(np.array([0.0, 1.2, 5.0]))
+    assert angle == pytest.approx(np.radians([0.0, 20.0, 0.0]))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_is_in_the_reference(command):
+    text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    section = text.split(f"## steer {command}\n")[1].split("\n## ")[0]
+    commands = next(a for a in parser_of([command])._actions if a.dest == "command")
+    for action in commands.choices[command]._actions:
+        for name in action.option_strings:
+            assert name in section
+
+
+@pytest.mark.parametrize("file", ["README.md", "docs/extending.md"])
+def test_every_link_leads_somewhere(file):
+    path = ROOT / file
+    links = re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8"))
+    assert links
+    missing = [link for link in links if not (path.parent / link).exists()]
+    assert not missing
