@@ -39,6 +39,8 @@ TOLERANCES = {
 
 EFFECT_TOLERANCE = 1e-4
 
+MOST_FIXED_STEPS = 10_000
+
 LONGEST_STEP = {"open_centre": 1.001e-3, "closed_centre": 3.34e-4}
 """Longest inner step [s]. The tolerances alone would pass over what the spools do within a tick."""
 
@@ -199,6 +201,7 @@ def plant_record(
         "damping_orifice_conductance": orifice_constant * damping_area,
     }
     check_geometry(values)
+    check_steps(values["inner_steps"])
     return record(values)
 
 
@@ -210,6 +213,15 @@ def check_geometry(values: dict[str, float]) -> None:
             f"open_centre.chamber_volume ({values['chamber_volume']:g} m3) must exceed "
             f"mechanics.piston_area x mechanics.rack_stop_position ({swept:g} m3), "
             "or a chamber would vanish at the end of the stroke"
+        )
+
+
+def check_steps(inner_steps: float) -> None:
+    """Raise ValueError unless ``inner_steps`` is a number of steps that a tick can have."""
+    if not (inner_steps.is_integer() and inner_steps <= MOST_FIXED_STEPS):
+        raise ValueError(
+            f"simulation.inner_steps must be a whole number up to {MOST_FIXED_STEPS}, "
+            f"got {inner_steps:g}"
         )
 
 
