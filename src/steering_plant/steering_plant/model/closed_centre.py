@@ -52,8 +52,12 @@ def valve_rates(p, y, dy, first, chamber_pressure, supply, force, e):
     transition = p.laminar_transition_pressure
     drop = supply - chamber_pressure
 
-    from_supply = orifice_flow(coefficient * supply_area, drop, transition)
-    to_tank = orifice_flow(coefficient * tank_area, chamber_pressure, transition)
+    # Nearly always one edge is shut: its roots need not be drawn.
+    from_supply, to_tank = 0.0, 0.0
+    if supply_area > 0.0:
+        from_supply = orifice_flow(coefficient * supply_area, drop, transition)
+    if tank_area > 0.0:
+        to_tank = orifice_flow(coefficient * tank_area, chamber_pressure, transition)
     to_control = orifice_flow(
         p.damping_orifice_conductance,
         chamber_pressure - control,

@@ -68,8 +68,9 @@ def error_norm(scale, h, k1, k3, k4, k5, k6, k7):
     worst = 0.0
     for i in range(scale.shape[0]):
         slope = E1 * k1[i] + E3 * k3[i] + E4 * k4[i] + E5 * k5[i] + E6 * k6[i] + E7 * k7[i]
-        worst = max(worst, abs(h * slope) / scale[i])
-    return worst
+        if abs(slope) > worst * scale[i]:
+            worst = abs(slope) / scale[i]
+    return h * worst
 
 
 @kernel
