@@ -48,6 +48,22 @@ def test_a_full_disk_keeps_the_whole_chunks(tmp_path, topics, random_ticks, disk
     assert trace.gaps == []
 
 
+def test_what_fits_after_a_failure_leaves_no_hole(tmp_path, topics, random_ticks, disk):
+    stamps, payloads = random_ticks(1000)
+    disk.room = 12_000
+    writer = BagWriter(tmp_path / "run", topics, chunk_bytes=8000)
+    with pytest.raises(BagError, match="No space left"):
+        writer.write_block(stamps, payloads)
+    kept = writer.message_count
+    disk.room = 1 << 20
+    for topic, rows in payloads.items():
+        writer.write(topic, int(stamps[-1]), rows[-1].tobytes())
+    writer.close()
+    trace = read_bag(tmp_path / "run")
+    assert trace.message_count == kept > 0
+    assert trace.gaps == []
+
+
 def test_a_full_disk_in_the_body_of_a_with_block(tmp_path, topics, random_ticks, disk):
     stamps, payloads = random_ticks(1000)
     disk.room = 20_000

@@ -85,6 +85,11 @@ class FlushedMcap(McapWriter):
         """Write one message (the interface of rosbags' own writer)."""
         self.append(connection.id, timestamp, data)
 
+    def discard_chunk(self) -> None:
+        """Forget what is not on disk yet."""
+        self.chunk.bio = BytesIO()
+        self.index = {channel: array("Q") for channel in self.index}
+
     def close_chunk(self) -> None:
         """Put the open chunk and its index on disk, or nothing of it (OSError)."""
         content = self.chunk.bio.getvalue()

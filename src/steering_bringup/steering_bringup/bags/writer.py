@@ -165,6 +165,9 @@ class BagWriter:
         if known is None:
             with suppress(BagError):
                 self.flush()
+        if self._failure is not None:
+            # A smaller chunk may fit where one failed, which would leave a hole in the record.
+            self._storage.discard_chunk()
         self._writer.set_custom_data(OUTCOME_KEY, self.outcome)
         try:
             self._finish()
