@@ -80,3 +80,11 @@ def test_real_time_keeps_to_the_wall_clock(zygote):
     assert result.latency["ticks"] == 500
     assert 0.0 < result.latency["p50"] <= result.latency["p99"] <= result.latency["max"]
     assert digests(result) == dummies.reference(dummies.graph(), 500)
+
+
+def test_diagnostics_tell_changes_only(zygote):
+    result = run_graph(dummies.graph(driver="listener"), TICKS, zygote=zygote)
+    assert result.ok, result.error
+    told = result.node_results["driver"]["told"]
+    assert told[0] == ("running", 0)
+    assert len(told) <= 2

@@ -52,6 +52,25 @@ class Node(LockstepNode):
         return {**super().result(), "digest": self.core.seen.hexdigest()}
 
 
+class Listener(Node):
+    """A node that also listens to what the clock tells about itself."""
+
+    def __init__(self, *args: Any) -> None:
+        from diagnostic_msgs.msg import DiagnosticArray
+
+        self.told: list[tuple[str, int]] = []
+        super().__init__(*args)
+        self.create_subscription(DiagnosticArray, "/diagnostics", self.hear, 10)
+
+    def hear(self, message: Any) -> None:
+        stamp = message.header.stamp
+        tick = stamp.sec * 1000 + stamp.nanosec // 1_000_000
+        self.told += [(status.message, tick) for status in message.status]
+
+    def result(self) -> dict[str, Any]:
+        return {**super().result(), "told": self.told}
+
+
 class Troubled(Node):
     """Does something wrong at tick 50: what its parameter ``trouble`` says."""
 
@@ -88,6 +107,10 @@ def node(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
 
 def troubled(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     return Troubled(context, spec, run, parameters, lambda values: Mix(_size(spec), 5))
+
+
+def listener(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
+    return Listener(context, spec, run, parameters, lambda values: Mix(_size(spec), 5))
 
 
 def refusing(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:

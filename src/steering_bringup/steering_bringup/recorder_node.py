@@ -42,6 +42,7 @@ class RecorderNode(LockstepNode):
         self.written = dict.fromkeys(spec.inputs, 0)
         self.lost = dict.fromkeys(spec.inputs, 0)
         self.done = 0
+        self.failed = False
         super().__init__(context, spec, run, parameters)
         self.wake_for(())
         self.create_timer(COLLECT_EVERY, self.collect)
@@ -62,13 +63,18 @@ class RecorderNode(LockstepNode):
     def collect(self) -> None:
         """Take every message that has come in, then write the whole ticks."""
         try:
-            for name, entry in self.raw.items():
-                take, kind, keep = entry.handle.take_message, entry.msg_type, self.kept[name].append
-                while (taken := take(kind, True)) is not None:
-                    keep(taken[0])
+            self.take_all()
             self.drain()
         except LockstepError as error:
+            self.failed = True
             self.on_error(error)
+
+    def take_all(self) -> None:
+        """Take every message that has come in."""
+        for name, entry in self.raw.items():
+            take, kind, keep = entry.handle.take_message, entry.msg_type, self.kept[name].append
+            while (taken := take(kind, True)) is not None:
+                keep(taken[0])
 
     def lacking(self) -> tuple[str, ...]:
         """Return the topics whose next message is not there."""
@@ -90,8 +96,14 @@ class RecorderNode(LockstepNode):
             self._finish()
 
     def close(self) -> None:
-        """Write what is left of an unfinished tick, and close the bag."""
+        """Write what has come in and is not written yet, and close the bag.
+
+        After a failure nothing is added: the bag ends before the gap, not behind it.
+        """
         try:
+            if self.failed:
+                return
+            self.take_all()
             for name, kept in self.kept.items():
                 for data in kept:
                     stamp = wire(name).unpack(data)[0] * NANOSECONDS_PER_TICK

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from steering_lockstep.diagnostics import ERROR, OK, WARN, Diagnostics
+from steering_lockstep.errors import LockstepError
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import CREDIT_TICKS
 from steering_lockstep.topics import CREDIT, wire
@@ -31,17 +33,23 @@ class ClockNode(LockstepNode):
         self.ended_at = 0
         self.lateness = np.zeros(self.run.ticks if self.run.real_time else 0, np.int64)
         self.sleep_until: Callable[[int], None] = _no_pacing
+        self.diagnostics = Diagnostics(self, self.spec.name)
         if self.has_recorder:
             self._subscribe(CREDIT, self._more_credit)
 
     def start(self) -> None:
         """Publish tick 0; called once when every endpoint is matched."""
+        self.diagnostics.tell(OK, "running", 0)
         self.started_at = monotonic_ns()
         self.guarded(self._go)
 
     def resume(self) -> None:
         """Go on after a sleep of a real-time run."""
         self.guarded(self._go)
+
+    def failed(self, error: LockstepError) -> None:
+        """Tell others why the run ends."""
+        self.diagnostics.tell(ERROR, str(error), self.barrier.tick)
 
     def lacking(self) -> tuple[str, ...]:
         """Return the topics that the node waits for, the recorder's credit among them."""
@@ -70,9 +78,10 @@ class ClockNode(LockstepNode):
         barrier = self.barrier
         tick = barrier.tick
         if self.run.real_time:
-            self.lateness[tick] = monotonic_ns() - self._due(tick)
+            self._note_lateness(tick)
         if tick + 1 >= self.run.ticks:
             self.ended_at = monotonic_ns()
+            self.diagnostics.tell(OK, f"finished after {self.run.ticks} ticks", tick)
             self._finish()
             return False
         self.busy = True
@@ -89,6 +98,14 @@ class ClockNode(LockstepNode):
             self.sleep_until(self._due(self.barrier.tick))
             return False
         return True
+
+    def _note_lateness(self, tick: int) -> None:
+        late = monotonic_ns() - self._due(tick)
+        self.lateness[tick] = late
+        if late > NANOSECONDS_PER_TICK:
+            self.diagnostics.tell(WARN, "behind the wall clock", tick)
+        else:
+            self.diagnostics.tell(OK, "running", tick)
 
     def _due(self, tick: int) -> int:
         return self.started_at + tick * NANOSECONDS_PER_TICK

@@ -91,7 +91,10 @@ class Spinner:
             self._future.set_result(None)
 
     def _fail(self, error: LockstepError) -> None:
-        self.error = self.error or error
+        if self.error is None:
+            self.error = error
+            for node in self._clocks():
+                node.failed(error)
         self._future.set_result(None)
 
     def _sleep_until(self, due: int) -> None:
@@ -99,6 +102,8 @@ class Spinner:
         self._future.set_result(None)
 
     def _resume(self) -> None:
-        for node in self.nodes:
-            if isinstance(node, ClockNode):
-                node.resume()
+        for node in self._clocks():
+            node.resume()
+
+    def _clocks(self) -> list[ClockNode]:
+        return [node for node in self.nodes if isinstance(node, ClockNode)]
