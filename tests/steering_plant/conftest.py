@@ -1,11 +1,16 @@
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from driver_model.driver import Driver
 from pressure_control.controller import ValveController
 from steering_bringup.scenario_files import load_scenario
 from steering_plant.plant import Plant
 from vehicle_model.vehicle import Vehicle
+
+# The first call of a kernel may compile it.
+settings.register_profile("kernels", deadline=None)
+settings.load_profile("kernels")
 
 
 class Loop:

@@ -34,9 +34,13 @@ def test_a_command_that_is_no_number_ends_the_run_at_once(place, bad):
 
 def test_too_few_fixed_steps_are_named_as_a_cause():
     plant = Plant(PARAMETERS.with_values({"simulation.inner_steps": 1}), "closed_centre")
-    with pytest.raises(PlantError, match=r"simulation\.inner_steps set too low"):
+
+    def violent():
         for tick in range(500):
             plant.step(tick, 30.0, 80.0, 0.0, 0.0, 1e6, 0.0)
+
+    with pytest.raises(PlantError, match=r"simulation\.inner_steps set too low"):
+        violent()
 
 
 @pytest.mark.parametrize("steps", [0.5, 2.5, 10_001.0])

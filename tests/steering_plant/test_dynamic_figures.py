@@ -18,11 +18,9 @@ def test_free_oscillation_of_the_steering_wheel():
     parameters = load_parameters().with_values({"mechanics.column_friction": 0.0})
     plant = Plant(parameters, "open_centre")
     plant.state[0] = math.radians(1.0)
-    angle = []
-    for tick in range(4000):
-        plant.step(tick, 0.0, 0.0, 0.0, 0.0, CLAMP, 0.0)
-        angle.append(plant.state[0])
-    angle = np.array(angle)
+    angle = np.empty(4000)
+    for tick in range(len(angle)):
+        angle[tick] = plant.step(tick, 0.0, 0.0, 0.0, 0.0, CLAMP, 0.0)[0]
     up = np.flatnonzero((angle[:-1] < 0.0) & (angle[1:] >= 0.0))
     crossings = up + angle[up] / (angle[up] - angle[up + 1])
     assert 1000.0 / np.mean(np.diff(crossings)) == pytest.approx(5.15, rel=0.005)

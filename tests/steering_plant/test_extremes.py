@@ -90,4 +90,4 @@ def test_a_run_repeats_to_the_bit(steps):
         for tick in range(300):
             plant.step(tick, 3.0 * np.sin(0.05 * tick), 25.0, 20.0, 0.0, 4e5, 0.0)
         ends.append(plant.state.copy())
-    assert np.array_equal(*ends)
+    assert np.array_equal(ends[0], ends[1])

@@ -82,9 +82,8 @@ def test_noise_repeats_and_follows_its_seed():
 def test_noise_reaches_the_measurement_and_not_the_plant():
     noisy = PARAMETERS.with_values({"torque_sensor.noise": 0.1})
     plants = [Plant(p, "open_centre") for p in (PARAMETERS, noisy, noisy)]
-    rows = []
-    for tick in range(200):
-        rows.append([plant.step(tick, 1.0, 0.0, 0.0, 0.0, 1e6, 0.0)[2] for plant in plants])
+    held = (1.0, 0.0, 0.0, 0.0, 1e6, 0.0)
+    rows = [[plant.step(tick, *held)[2] for plant in plants] for tick in range(200)]
     assert np.array_equal(plants[0].state, plants[1].state)
     clean, first, second = np.array(rows).T
     assert np.array_equal(first, second)
