@@ -1,6 +1,7 @@
 """The bench itself over DDS: its bag is the direct runner's, byte for byte, in every layout."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -25,7 +26,7 @@ def zygote():
         yield zygote
 
 
-def plan_of(folder: Path, node_set: str, runner: str, processes: str, delays: dict[str, int]):
+def plan_of(folder: Path, node_set: str, runner: Any, processes: Any, delays: dict[str, int]):
     scenario = load_scenario("on_centre").model_copy(
         update={"duration": 0.7, "truth": True, "delays": delays}
     )

@@ -81,7 +81,8 @@ def script():
     for process in started:
         process.kill()
         process.wait()
-        process.stdout.close()
+        if process.stdout:
+            process.stdout.close()
 
 
 def family(process):
@@ -92,7 +93,7 @@ def family(process):
 @pytest.mark.parametrize("layout", ["one", "each"])
 def test_killed_node_process_is_named(layout):
     with Zygote([dummies.HERE]) as zygote:
-        seen = []
+        seen: list[int] = []
 
         def kill(progress):
             if progress.phase == "running" and progress.tick > 100 and not seen:
@@ -102,6 +103,7 @@ def test_killed_node_process_is_named(layout):
         began = time.monotonic()
         result = run_graph(dummies.graph(), LONG, layout=layout, on_progress=kill, zygote=zygote)
         assert time.monotonic() - began < 20.0
+        assert result.error is not None
         assert result.error.kind == "died"
         assert "SIGKILL" in result.error.message
         assert result.error.node == ("vehicle" if layout == "each" else "plant")
@@ -110,7 +112,7 @@ def test_killed_node_process_is_named(layout):
 
 def test_terminated_node_process_closes_and_is_named():
     with Zygote([dummies.HERE]) as zygote:
-        done = []
+        done: list[bool] = []
 
         def terminate(progress):
             if progress.phase == "running" and progress.tick > 100 and not done:
@@ -120,6 +122,7 @@ def test_terminated_node_process_closes_and_is_named():
         result = run_graph(
             dummies.graph(), LONG, layout="each", on_progress=terminate, zygote=zygote
         )
+        assert result.error is not None
         assert (result.error.kind, result.error.node) == ("died", "vehicle")
         assert set(result.node_results) == {"plant", "left", "right", "driver", "vehicle"}
 

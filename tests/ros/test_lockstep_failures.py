@@ -72,6 +72,7 @@ def test_message_of_a_wrong_size_is_refused(zygote):
 
 def test_node_that_cannot_start_says_why(zygote):
     result = run_graph(dummies.graph(driver="refusing"), 10, layout="each", zygote=zygote)
+    assert result.error is not None
     assert (result.error.kind, result.error.node) == ("start", "driver")
     assert "no such spring" in result.error.message
 
@@ -79,6 +80,7 @@ def test_node_that_cannot_start_says_why(zygote):
 def test_node_that_does_not_come_up_is_named(zygote):
     graph = dummies.graph(driver="endless")
     result = run_graph(graph, 10, layout="each", zygote=zygote, start_timeout=3.0, grace=0.2)
+    assert result.error is not None
     assert result.error.kind == "start"
     assert "driver" in result.error.message
 
@@ -89,5 +91,6 @@ def test_domain_in_use_is_refused(zygote):
     claim = claim_domain()
     result = run_graph(dummies.graph(), 10, domain=claim.number, zygote=zygote)
     claim.release()
+    assert result.error is not None
     assert result.error.kind == "start"
     assert str(claim.number) in result.error.message

@@ -3,7 +3,7 @@
 import lockstep_dummies as dummies
 import pytest
 
-from steering_lockstep.processes import Zygote, run_graph
+from steering_lockstep.processes import Progress, Zygote, run_graph
 
 pytest.importorskip("rclpy")
 pytest.importorskip("steering_msgs.msg")
@@ -58,7 +58,7 @@ def test_rest_values_stand_for_messages_before_the_first(zygote):
 
 
 def test_progress_tells_phases_and_ticks(zygote):
-    told = []
+    told: list[Progress] = []
     result = run_graph(dummies.graph(), 3000, on_progress=told.append, zygote=zygote)
     assert result.ok
     phases = list(dict.fromkeys(p.phase for p in told))
@@ -77,6 +77,7 @@ def test_real_time_keeps_to_the_wall_clock(zygote):
     result = run_graph(dummies.graph(), 500, real_time=True, zygote=zygote)
     assert result.ok
     assert result.wall_time >= 0.499
+    assert result.latency is not None
     assert result.latency["ticks"] == 500
     assert 0.0 < result.latency["p50"] <= result.latency["p99"] <= result.latency["max"]
     assert digests(result) == dummies.reference(dummies.graph(), 500)
