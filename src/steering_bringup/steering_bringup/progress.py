@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from types import TracebackType
 
-FORMAT = "{desc} |{bar:30}| {n:6.1f} of {total:.1f} s {postfix}"
+FORMAT = "{desc} |{bar:30}| {n:6.1f} of {total:.1f} s{postfix}"
 
 
 class Bar:
