@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,12 @@ def test_the_readme_s_scenario_is_valid(tmp_path):
 def test_the_manoeuvre_of_the_guide_turns_the_wheel_and_comes_back():
     code = blocks("docs/extending.md", "python")[0]
     head = "from dataclasses import dataclass\nfrom typing import ClassVar\n"
-    names = {"np": np, "Manoeuvre": Manoeuvre, "smooth_step": smooth_step, "__name__": "guide"}
+    names: dict[str, Any] = {
+        "np": np,
+        "Manoeuvre": Manoeuvre,
+        "smooth_step": smooth_step,
+        "__name__": "guide",
+    }
     exec(head + code, names)
     angle = names["DoubleStep"](angle_deg=20.0).angle(np.array([0.0, 1.2, 5.0]))
     assert angle == pytest.approx(np.radians([0.0, 20.0, 0.0]))
@@ -41,7 +47,7 @@ def test_the_manoeuvre_of_the_guide_turns_the_wheel_and_comes_back():
 def test_every_option_is_in_the_reference(command):
     text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
     section = text.split(f"## steer {command}\n")[1].split("\n## ")[0]
-    commands = next(a for a in parser_of([command])._actions if a.dest == "command")
+    commands: Any = next(a for a in parser_of([command])._actions if a.dest == "command")
     for action in commands.choices[command]._actions:
         for name in action.option_strings:
             assert name in section
