@@ -23,6 +23,7 @@ setup(
         "console_scripts": [
             "steer = steering_bringup.cli:main",
             "recorder_node = steering_bringup.recorder_node:main",
+            "replay_node = steering_bringup.replay_node:main",
         ],
     },
 )

@@ -41,7 +41,9 @@ def run_direct(plan: Plan) -> Outcome:
             bar.update(tick, tick * 1e-3 / (time.perf_counter() - ready))
 
         delays = connection_delays(plan.graph)
-        trace = run(cores, scenario.ticks, delays, truth=scenario.truth, on_progress=progress)
+        replays = plan.replays.values()
+        recorded = {topic: rows for r in replays for topic, rows in r.columns().items()}
+        trace = run(cores, scenario.ticks, delays, scenario.truth, progress, recorded)
     done = time.perf_counter()
     outcome = Outcome(
         scenario.name,
@@ -69,7 +71,8 @@ def write_bag(plan: Plan, trace: DirectTrace, vehicle: Vehicle) -> int:
     assert plan.bag is not None
     types = recorded_types(plan.graph)
     columns = trace_columns(trace, vehicle)
-    payloads = {topic: _payload(topic, columns[topic]) for topic in types}
+    replayed = {t: rows for replay in plan.replays.values() for t, rows in replay.payloads.items()}
+    payloads = {t: replayed[t] if t in replayed else _payload(t, columns[t]) for t in types}
     with BagWriter(plan.bag, types, plan.metadata()) as writer:
         for start in range(0, plan.scenario.ticks, BLOCK_TICKS):
             for every in sorted({TABLE[topic].every for topic in types}):

@@ -58,6 +58,8 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
 
 def _parameters(plan: Plan) -> dict[str, dict[str, Any]]:
     parameters = node_parameters(plan.scenario, plan.node_set)
+    for name, replay in plan.replays.items():
+        parameters[name] = {"bag": str(replay.bag)}
     if plan.bag is not None:
         metadata = json.dumps(plan.metadata())
         parameters[RECORDER] = {"path": str(plan.bag), "metadata": metadata}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from steering_bringup.errors import BenchError
+from steering_bringup.replays import REPLAY_KIND
 from steering_bringup.schema import NodeSet
 from steering_core.naming import unknown
 from steering_lockstep.graph import RECORDER_KIND, Graph, GraphError, NodeSpec, check_graph
@@ -15,19 +16,26 @@ RECORDER = "recorder"
 
 
 def build_graph(
-    node_set: NodeSet, delays: Mapping[str, int], *, truth: bool, record: bool
+    node_set: NodeSet,
+    delays: Mapping[str, int],
+    *,
+    truth: bool,
+    record: bool,
+    replayed: Collection[str] = (),
 ) -> Graph:
     """Return the graph of a node set with extra ``delays`` ("TOPIC->NODE": ticks).
 
-    Raises BenchError naming the node set for whatever cannot run.
+    ``replayed``: nodes whose place a replaying node takes, with the same connections. Raises
+    BenchError naming the node set for whatever cannot run.
     """
     try:
         _check_kinds(node_set)
+        _check_replayed(node_set, replayed)
         inputs = _inputs(node_set, delays)
         nodes = [
             NodeSpec(
                 name,
-                entry.kind,
+                REPLAY_KIND if name in replayed else entry.kind,
                 inputs[name],
                 entry.outputs + (entry.truth if truth else ()),
                 entry.period,
@@ -81,6 +89,12 @@ def _check_kinds(node_set: NodeSet) -> None:
             location(entry.kind)
         except KeyError as error:
             raise GraphError(f"node '{name}': {error.args[0]}") from None
+
+
+def _check_replayed(node_set: NodeSet, replayed: Iterable[str]) -> None:
+    for name in replayed:
+        if name not in node_set.nodes:
+            raise GraphError(f"--from-bag {name}=...: {unknown('node', name, node_set.nodes)}")
 
 
 def _check_topics(nodes: Iterable[NodeSpec]) -> None:

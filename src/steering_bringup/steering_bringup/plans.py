@@ -9,11 +9,13 @@ from typing import Any, Literal
 
 from steering_bringup.errors import BenchError
 from steering_bringup.graphs import build_graph, connection_delays
+from steering_bringup.replays import REPLAY_KIND, Replay, load_replay
 from steering_bringup.scenario_files import load_node_set
 from steering_bringup.schema import NodeSet, Scenario
-from steering_lockstep.graph import Graph
+from steering_lockstep.graph import CLOCK, Graph, NodeSpec
+from steering_lockstep.settings import RunSettings
 
-DIRECT_KINDS = ("plant", "valve_controller", "driver", "vehicle", "recorder")
+DIRECT_KINDS = ("plant", "valve_controller", "driver", "vehicle", "recorder", REPLAY_KIND)
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,10 @@ class Manner:
 
 @dataclass(frozen=True)
 class Plan:
-    """One run of a scenario with one node set. ``bag``: where it is recorded, None: nowhere."""
+    """One run of a scenario with one node set.
+
+    ``bag``: where it is recorded, None: nowhere; ``replays``: nodes that a bag stands for.
+    """
 
     scenario: Scenario
     node_set: NodeSet
@@ -36,6 +41,7 @@ class Plan:
     manner: Manner
     bag: Path | None = None
     parameters: Mapping[str, float] = field(default_factory=dict)
+    replays: Mapping[str, Replay] = field(default_factory=dict)
 
     @property
     def layout(self) -> Literal["one", "each"]:
@@ -56,18 +62,41 @@ class Plan:
             layout=self.layout if self.manner.runner == "graph" else None,
             runner=self.manner.runner,
             real_time=self.manner.real_time,
+            replayed={name: replay.origin() for name, replay in self.replays.items()},
         )
 
+    def notes(self) -> list[str]:
+        """Return what a reader of the results must know about their inputs."""
+        return [
+            text
+            for name, replay in self.replays.items()
+            for text in (f"node '{name}' was replayed from '{replay.bag}'", *replay.notes)
+        ]
 
-def make_plan(scenario: Scenario, node_set: NodeSet, manner: Manner, bag: Path | None) -> Plan:
-    """Return the checked plan of one run; BenchError tells what cannot run."""
+
+def make_plan(
+    scenario: Scenario,
+    node_set: NodeSet,
+    manner: Manner,
+    bag: Path | None,
+    from_bag: Mapping[str, Path] | None = None,
+) -> Plan:
+    """Return the checked plan of one run; BenchError tells what cannot run.
+
+    ``from_bag``: {node: bag that stands for it}.
+    """
+    from_bag = from_bag or {}
     direct = manner.runner == "direct"
     record = bag is not None and not direct
-    graph = build_graph(node_set, scenario.delays, truth=scenario.truth, record=record)
+    graph = build_graph(
+        node_set, scenario.delays, truth=scenario.truth, record=record, replayed=from_bag
+    )
     if direct:
         _check_direct(graph)
     parameters = scenario.parameter_values().flat()
-    return Plan(scenario, node_set, graph, manner, bag, parameters)
+    run = RunSettings(graph, scenario.ticks)
+    replays = {name: load_replay(graph.node(name), run, path) for name, path in from_bag.items()}
+    return Plan(scenario, node_set, graph, manner, bag, parameters, replays)
 
 
 def node_sets_of(scenario: Scenario) -> list[NodeSet]:
@@ -103,3 +132,18 @@ def _check_direct(graph: Graph) -> None:
                 f"the direct runner steps every node on every tick; '{node.name}' has "
                 f"period {node.period}: leave out --direct"
             )
+        if node.kind == REPLAY_KIND:
+            _check_direct_replay(node)
+
+
+def _check_direct_replay(node: NodeSpec) -> None:
+    from steering_bringup.direct.runner import MEASURED_TOPICS, RECORDED_TOPICS
+
+    unknown = set(node.outputs) - RECORDED_TOPICS
+    lacking = MEASURED_TOPICS - set(node.outputs) if CLOCK in node.outputs else set()
+    for topic in sorted(unknown | lacking):
+        how = "has no place for" if topic in unknown else "needs"
+        raise BenchError(
+            f"the direct runner {how} {topic} from the replayed node '{node.name}': leave out "
+            "--direct to run it in the graph"
+        )

@@ -30,7 +30,9 @@ def plan_from_bag(trace: Trace, bag: Path, *, runner: Any = None, processes: Any
     scenario = restore(Scenario, data, f"bag '{trace.path}', scenario")
     node_set = restore(NodeSet, run["node_set"], f"bag '{trace.path}', node set")
     manner = Manner(runner or run["runner"], processes or run.get("layout"))
-    return make_plan(scenario, node_set, manner, bag)
+    # A replayed node's messages are in the bag itself, whatever has become of the one before.
+    from_bag = dict.fromkeys(run.get("replayed") or {}, Path(trace.path or "."))
+    return make_plan(scenario, node_set, manner, bag, from_bag)
 
 
 def differing_surroundings(trace: Trace) -> Iterator[str]:

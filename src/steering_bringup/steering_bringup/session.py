@@ -37,6 +37,7 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
             if plan.bag is not None:
                 make_folder(plan.bag.parent)
             outcomes.append(_run(plan, zygote))
+            outcomes[-1].notes[:0] = plan.notes()
             if len(outcomes) > 1:
                 outcomes[-1].since_command = 0.0
             on_outcome(outcomes[-1])

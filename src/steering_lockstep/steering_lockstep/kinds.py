@@ -13,6 +13,7 @@ FACTORIES = {
     "driver": "driver_model.driver_node:make",
     "vehicle": "vehicle_model.vehicle_node:make",
     "recorder": "steering_bringup.recorder_node:make",
+    "replay": "steering_bringup.replay_node:make",
 }
 
 

@@ -21,6 +21,7 @@ EXAMPLES = """examples:
   steer run step --node-set closed_centre --set mechanics.rack_mass=30
   steer run --processes each --real-time --duration 5
   steer run --direct --set manoeuvre.amplitude_deg=20
+  steer run step --from-bag driver=results/step-1/closed_centre
   steer run --delay '/valve/left/command->plant=1' --delay '/valve/right/command->plant=1' \\
             --set valve_controller.resonance=400"""
 
@@ -43,6 +44,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="extra delay of a connection; repeatable",
+    )
+    add(
+        "--from-bag",
+        metavar="NODE=BAG",
+        action="append",
+        default=[],
+        help="what a node published in a bag, in its place; repeatable",
     )
     how = parser.add_argument_group("how it runs")
     add = how.add_argument
@@ -116,7 +124,18 @@ def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> lis
         node_set.name: (options.record or folder / node_set.name) if scenario.record else None
         for node_set in node_sets
     }
-    return [make_plan(scenario, n, _manner(options), bags[n.name]) for n in node_sets]
+    manner, from_bag = _manner(options), _from_bag(options)
+    return [make_plan(scenario, n, manner, bags[n.name], from_bag) for n in node_sets]
+
+
+def _from_bag(options: argparse.Namespace) -> dict[str, Path]:
+    from steering_bringup.replays import parse_replay
+
+    pairs = [parse_replay(text) for text in options.from_bag]
+    twice = {node for node, _ in pairs if [n for n, _ in pairs].count(node) > 1}
+    if twice:
+        raise BenchError(f"--from-bag names node '{min(twice)}' twice: one bag stands for it")
+    return dict(pairs)
 
 
 def _manner(options: argparse.Namespace) -> Manner:

@@ -66,13 +66,16 @@ def keep(out, trace, row):
 
 
 @kernel
-def run_ticks(start, stop, last, plant, left, right, driver, vehicle, delays, before, traces):
+def run_ticks(
+    start, stop, last, plant, left, right, driver, vehicle, delays, before, replayed, traces
+):
     """Run ticks ``start`` to ``stop`` - 1 and fill the traces; return (status, tick reached).
 
     last: number of ticks of the whole run; after its last tick the plant does not move on.
     plant, left, right, driver, vehicle: the cores' arrays. delays: int64, shape (12,). before:
     rows of each delayed trace that stand before tick 0 and hold what was there at rest; at least
-    the longest delay. traces: see the positions above; TRUTH may have no rows.
+    the longest delay. traces: see the positions above; TRUTH may have no rows. replayed: int64,
+    shape (5,), by the first five positions: 1 where the trace is given and its core is not run.
     """
     measured, commanded, load = traces[MEASURED], traces[DRIVER], traces[LOAD]
     left_trace, right_trace = traces[LEFT_VALVE], traces[RIGHT_VALVE]
@@ -84,50 +87,54 @@ def run_ticks(start, stop, last, plant, left, right, driver, vehicle, delays, be
     vehicle_par, external, vehicle_e, vehicle_state, vehicle_out = vehicle
     for tick in range(start, stop):
         row = tick + before
-        keep(out, measured, row)
-        if truth.shape[0] > 0:
+        if not replayed[MEASURED]:
+            keep(out, measured, row)
+        if truth.shape[0] > 0 and not replayed[MEASURED]:
             report_truth(par, table, e, tick, y, u, work, flows, truth[tick])
 
-        at = row - delays[DRIVER_TORQUE_DELAY]
-        driver_step(
-            driver_par,
-            reference,
-            hands_on,
-            driver_state,
-            driver_out,
-            tick,
-            measured[at, 0],
-            measured[at, 1],
-            measured[at, 2],
-        )
-        keep(driver_out, commanded, row)
-        if closed:
+        if not replayed[DRIVER]:
+            at = row - delays[DRIVER_TORQUE_DELAY]
+            driver_step(
+                driver_par,
+                reference,
+                hands_on,
+                driver_state,
+                driver_out,
+                tick,
+                measured[at, 0],
+                measured[at, 1],
+                measured[at, 2],
+            )
+            keep(driver_out, commanded, row)
+        if closed and not replayed[LEFT_VALVE]:
             at_torque = row - delays[LEFT_TORQUE_DELAY]
             at_pressure = row - delays[LEFT_PRESSURE_DELAY]
             at_rack = row - delays[LEFT_RACK_DELAY]
             control(left, measured, at_torque, at_pressure, at_rack, tick, left_trace, row)
+        if closed and not replayed[RIGHT_VALVE]:
             at_torque = row - delays[RIGHT_TORQUE_DELAY]
             at_pressure = row - delays[RIGHT_PRESSURE_DELAY]
             at_rack = row - delays[RIGHT_RACK_DELAY]
             control(right, measured, at_torque, at_pressure, at_rack, tick, right_trace, row)
-        at = row - delays[VEHICLE_RACK_DELAY]
-        vehicle_step(
-            vehicle_par,
-            external,
-            vehicle_e,
-            vehicle_state,
-            vehicle_out,
-            tick,
-            measured[at, 6],
-            measured[at, 7],
-            measured[at, 8],
-        )
-        keep(vehicle_out, load, row)
+        if not replayed[LOAD]:
+            at = row - delays[VEHICLE_RACK_DELAY]
+            vehicle_step(
+                vehicle_par,
+                external,
+                vehicle_e,
+                vehicle_state,
+                vehicle_out,
+                tick,
+                measured[at, 6],
+                measured[at, 7],
+                measured[at, 8],
+            )
+            keep(vehicle_out, load, row)
         if tick % MOTION_PERIOD == 0:
             for i in range(motion.shape[1]):
                 motion[tick // MOTION_PERIOD, i] = vehicle_state[i]
 
-        if tick + 1 < last:
+        if tick + 1 < last and not replayed[MEASURED]:
             left_force, right_force = 0.0, 0.0
             if closed:
                 left_force = left_trace[row - delays[PLANT_LEFT_DELAY], 1]

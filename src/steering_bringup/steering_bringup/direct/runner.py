@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
+
 from driver_model.driver import Driver
 from pressure_control.controller import ValveController
+from steering_bringup.direct import loop as nominal_loop
 from steering_core.naming import unknown
 from steering_plant.plant import Plant, PlantError, failure_text
 from vehicle_model.vehicle import Vehicle
-
-from steering_bringup.direct import loop as nominal_loop
 
 CHUNK = 10_000
 """Ticks between two reports of progress."""
@@ -33,6 +33,26 @@ CONNECTIONS = (
     "/vehicle/rack_force->plant",
 )
 """Connections that can have a delay, in the order of the loop's vector of delays."""
+
+REPLAYABLE: Mapping[str, tuple[int, int]] = {
+    "/steering/torque": (nominal_loop.MEASURED, 0),
+    "/steering/pressure": (nominal_loop.MEASURED, 3),
+    "/steering/rack": (nominal_loop.MEASURED, 6),
+    "/driver/torque": (nominal_loop.DRIVER, 0),
+    "/valve/left/command": (nominal_loop.LEFT_VALVE, 0),
+    "/valve/right/command": (nominal_loop.RIGHT_VALVE, 0),
+    "/vehicle/rack_force": (nominal_loop.LOAD, 0),
+}
+"""Topics that can be recorded ones: trace and first column."""
+
+MEASURED_TOPICS = frozenset(list(REPLAYABLE)[:3])
+RECORDED_TOPICS = frozenset(REPLAYABLE) | {
+    "/truth/plant",
+    "/clock",
+    "/vehicle/odometry",
+    "/vehicle/imu",
+}
+"""Topics that a replayed node may publish in a direct run."""
 
 
 @dataclass(frozen=True)
@@ -113,19 +133,24 @@ def run(
     delays: Mapping[str, int] | None = None,
     truth: bool = False,
     on_progress: Callable[[int], None] | None = None,
+    recorded: Mapping[str, np.ndarray] | None = None,
 ) -> DirectTrace:
     """Run ``ticks`` ticks from the cores' present state and return the traces.
 
     The cores are moved on in place, so a run needs fresh ones. ``on_progress`` gets the number of
-    ticks done. Raises PlantError where the plant's state leaves what is possible.
+    ticks done. ``recorded``: topic -> (ticks, fields), taken in place of what its core would give.
+    Raises PlantError where the plant's state leaves what is possible.
     """
     waiting = delay_vector(delays or {})
     before = int(waiting.max())
     traces = _traces(cores, ticks, before, truth)
+    replayed = _fill(traces, before, recorded or {})
     arrays = _arrays(cores)
     for start in range(0, ticks, CHUNK):
         stop = min(start + CHUNK, ticks)
-        status, tick = cores.loop.run_ticks(start, stop, ticks, *arrays, waiting, before, traces)
+        status, tick = cores.loop.run_ticks(
+            start, stop, ticks, *arrays, waiting, before, replayed, traces
+        )
         if status != 0:
             raise PlantError(failure_text(cores.plant, tick, status))
         if on_progress is not None:
@@ -133,6 +158,21 @@ def run(
     measured, *commands = (trace[before:] for trace in traces[:5])
     torque, pressure, rack = measured[:, :3], measured[:, 3:6], measured[:, 6:]
     return DirectTrace(torque, pressure, rack, *commands, *traces[5:])
+
+
+def _fill(
+    traces: tuple[np.ndarray, ...], before: int, recorded: Mapping[str, np.ndarray]
+) -> np.ndarray:
+    """Write what is recorded into the traces; return which cores it stands for, int64 (5,)."""
+    replayed = np.zeros(5, dtype=np.int64)
+    for topic, columns in recorded.items():
+        if topic in REPLAYABLE:
+            position, first = REPLAYABLE[topic]
+            traces[position][before:, first : first + columns.shape[1]] = columns
+            replayed[position] = 1
+    if len(traces[nominal_loop.TRUTH]) and "/truth/plant" in recorded:
+        traces[nominal_loop.TRUTH][:] = recorded["/truth/plant"]
+    return replayed
 
 
 def _traces(cores: Cores, ticks: int, before: int, truth: bool) -> tuple[np.ndarray, ...]:
