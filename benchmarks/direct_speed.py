@@ -9,8 +9,9 @@ state's range, is as near to its own converged solution as the plant's is to the
 called in three ways, each time with the parameters frozen into one compiled function:
 solve_ivp(method="LSODA"), which the target is about, the bare class scipy.integrate.LSODA, and
 odeint, where no Python runs between its steps. All are timed in turns within one run; ratios are
-medians over the turns, per tick, of the direct runner's whole loop (controllers, driver and
-vehicle included) and LSODA's plant alone.
+medians over the turns, per tick. The target compares like with like: LSODA's plant with the direct
+runner's plant under the same recorded commands. The ratio that charges the direct runner with its
+controllers, driver and vehicle as well, and LSODA still with the plant alone, stands beside it.
 """
 
 from __future__ import annotations
@@ -64,19 +65,11 @@ def fresh(duration: float, **parameters: float) -> Cores:
     return build_cores(scenario(duration, **parameters), load_node_set("closed_centre"))
 
 
-@dataclass(frozen=True)
-class Taken:
-    """Seconds that a call took."""
-
-    wall: float
-    cpu: float
-
-
-def timed(call: Callable, *arguments: Any) -> Taken:
-    """Return how long ``call`` took."""
-    wall, cpu = time.perf_counter(), time.process_time()
+def timed(call: Callable, *arguments: Any) -> float:
+    """Return how long ``call`` took [s]."""
+    start = time.perf_counter()
     call(*arguments)
-    return Taken(time.perf_counter() - wall, time.process_time() - cpu)
+    return time.perf_counter() - start
 
 
 @dataclass(frozen=True)
@@ -124,6 +117,16 @@ def right_hand_side(plant: Plant) -> Callable[..., np.ndarray]:
         return dy
 
     return slopes
+
+
+@numba.njit
+def plant_alone(
+    plant: tuple[np.ndarray, ...], plant_step: Callable[..., int], inputs: np.ndarray
+) -> None:
+    """Step the plant's arrays through the recorded ``inputs``, shape (n, 6)."""
+    for tick in range(inputs.shape[0]):
+        u = inputs[tick]
+        plant_step(*plant, tick, u[0], u[1], u[2], u[3], u[4], u[5])
 
 
 def by_odeint(slopes: Callable, state: np.ndarray, held: np.ndarray, atol: np.ndarray) -> Any:
@@ -209,31 +212,34 @@ def measure(duration: float, repetitions: int) -> dict[str, Any]:
     state_error = share(stepped(duration, way.inputs), way.states, way)
     tolerance, scan = same_accuracy(way, plant, state_error, slopes)
     doors: dict[str, Callable] = {"solve_ivp": by_solve_ivp, "class": by_class, "odeint": by_odeint}
-    direct: list[Taken] = []
-    stiff: dict[str, list[Taken]] = {name: [] for name in doors}
+    direct: list[float] = []
+    alone: list[float] = []
+    plant_alone(plant.arrays(), plant.model.plant_step, way.inputs[:1])
+    stiff: dict[str, list[float]] = {name: [] for name in doors}
     for _ in range(repetitions):
         cores = fresh(duration)
         direct.append(timed(run, cores, ticks))
+        moved = fresh(duration).plant
+        alone.append(timed(plant_alone, moved.arrays(), moved.model.plant_step, way.inputs))
         for name, door in doors.items():
             stiff[name].append(timed(replayed, door, slopes, plant, tolerance, way))
     replay = STRETCHES * STRETCH * TICK
-    ratios = {
-        name: statistics.median(
-            (slow.wall / replay) / (fast.wall / duration)
-            for slow, fast in zip(times, direct, strict=True)
-        )
-        for name, times in stiff.items()
-    }
+
+    def ratio(slow: list[float], fast: list[float]) -> float:
+        pairs = zip(slow, fast, strict=True)
+        return statistics.median((s / replay) / (f / duration) for s, f in pairs)
+
+    ratios = {name: ratio(times, alone) for name, times in stiff.items()}
     short, long = peak_memory(duration), peak_memory(5.0 * duration)
     return {
         "duration_s": duration,
         "repetitions": repetitions,
-        "real_time_factor": duration / statistics.median(t.wall for t in direct),
-        "real_time_factor_best": duration / min(t.wall for t in direct),
-        "real_time_factor_of_cpu_time": duration / statistics.median(t.cpu for t in direct),
+        "real_time_factor": duration / statistics.median(direct),
+        "real_time_factor_best": duration / min(direct),
         "pressure_error_bar": error,
         "state_error": state_error,
         "ratio_to_lsoda": ratios["solve_ivp"],
+        "ratio_of_whole_loop_to_lsoda": ratio(stiff["solve_ivp"], direct),
         "ratio_to_lsoda_class": ratios["class"],
         "ratio_to_lsoda_through_odeint": ratios["odeint"],
         "lsoda_tolerance": tolerance,
@@ -250,10 +256,10 @@ def table(figures: dict[str, Any]) -> str:
     rows = [
         ("real time, median", f"{figures['real_time_factor']:.0f} x", ">= 200 x"),
         ("real time, best", f"{figures['real_time_factor_best']:.0f} x", ""),
-        ("real time, of CPU time", f"{figures['real_time_factor_of_cpu_time']:.0f} x", ""),
         ("chamber pressures' error", f"{figures['pressure_error_bar']:.1e} bar", "<= 0.01 bar"),
         ("worst state's error / range", f"{figures['state_error']:.1e}", ""),
         ("faster than solve_ivp LSODA", f"{figures['ratio_to_lsoda']:.0f} x", ">= 40 x"),
+        ("the same, our whole loop", f"{figures['ratio_of_whole_loop_to_lsoda']:.0f} x", ""),
         ("the bare class", f"{figures['ratio_to_lsoda_class']:.1f} x", ""),
         ("through odeint", f"{figures['ratio_to_lsoda_through_odeint']:.1f} x", ""),
         ("memory beside the trace", f"{memory['one_length'] / 1e3:.0f} kB", ""),

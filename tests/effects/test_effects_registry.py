@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from closed_loop import cores, trace
+from closed_loop import Effects, cores, trace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -100,12 +100,12 @@ def test_an_effect_that_is_no_source_never_adds_power(signals: dict[str, float])
 @pytest.mark.parametrize("valve_system", SYSTEMS)
 def test_effects_start_at_rest(valve_system: str) -> None:
     """With every effect on, nothing moves until the driver does."""
-    typical = {name: {} for name, effect in EFFECTS.items() if not effect.sets}
+    typical: Effects = {name: {} for name, effect in EFFECTS.items() if not effect.sets}
     made = cores(typical, valve_system, 10)
     plant = made.plant
     start = plant.state.copy()
-    forces = [0.0 if c is None else float(c.out[1]) for c in (made.left, made.right)]
-    plant.step(0, 0.0, *forces, 0.0, 0.0, 0.0)
+    left, right = (0.0 if c is None else float(c.out[1]) for c in (made.left, made.right))
+    plant.step(0, 0.0, left, right, 0.0, 0.0, 0.0)
     moved = np.abs(plant.state[:8] - start[:8])
     assert np.all(moved[:4] < 1e-9)
     assert np.all(moved[6:8] < 1e3)

@@ -32,7 +32,7 @@ def test_an_import_that_is_not_there_cannot_be_replaced() -> None:
 
 def _effect(**changes: object) -> Effect:
     made = EFFECTS["cross_piston_leakage"]
-    return Effect(**(vars(made) | changes))  # type: ignore[arg-type]
+    return Effect(**(vars(made) | changes))
 
 
 def test_an_effect_in_an_unknown_slot_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

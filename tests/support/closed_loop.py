@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import vehicle_model.model.slots as vehicle_slots
 import vehicle_model.model.step as vehicle_step
 from driver_model.driver import Driver
-from driver_model.manoeuvres import MANOEUVRES
+from driver_model.manoeuvres import make_manoeuvre
 from pressure_control.controller import ValveController
 from steering_bringup.direct.effects import loop_for
 from steering_bringup.direct.runner import Cores, DirectTrace, run
@@ -24,16 +24,16 @@ def cores(effects: Effects, valve_system: str, ticks: int) -> Cores:
     """Return fresh cores: one second of weaving at 70 km/h."""
     parameters = load_parameters()
     plant = Plant(parameters, valve_system, effects=effects)
-    rolling, added = vehicle_model(effects, vehicle_slots, vehicle_step)
+    rolling = vehicle_model(effects, vehicle_slots, vehicle_step)
     closed = valve_system == "closed_centre"
-    manoeuvre = MANOEUVRES["on_centre"](duration_s=1.0)
+    manoeuvre = make_manoeuvre("on_centre", duration_s=1.0)
     return Cores(
         plant,
         Driver(parameters, manoeuvre, ticks),
-        Vehicle(parameters, LOADS["bicycle"](), ticks, rolling, added.values, added.rests),
+        Vehicle(parameters, LOADS["bicycle"](), ticks, *rolling),
         ValveController(parameters, "left") if closed else None,
         ValveController(parameters, "right") if closed else None,
-        loop_for(plant.model, rolling),
+        loop_for(plant.model, rolling[0]),
     )
 
 

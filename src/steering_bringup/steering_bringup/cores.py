@@ -33,15 +33,14 @@ def _build(scenario: Scenario, valve_system: str) -> Cores:
     table = boost_curve(scenario)
     closed = valve_system == "closed_centre"
     plant = Plant(parameters, valve_system, table, scenario.effects)
-    rolling, added = vehicle_model(scenario.effects, slots, step)
-    rests = tuple(float(rest) for rest in added.rests)
+    rolling = vehicle_model(scenario.effects, slots, step)
     return Cores(
         plant=plant,
         driver=Driver(parameters, scenario.manoeuvre.make(), ticks),
-        vehicle=Vehicle(parameters, scenario.load.make(), ticks, rolling, added.values, rests),
+        vehicle=Vehicle(parameters, scenario.load.make(), ticks, *rolling),
         left=ValveController(parameters, "left", table) if closed else None,
         right=ValveController(parameters, "right", table) if closed else None,
-        loop=loop_for(plant.model, rolling),
+        loop=loop_for(plant.model, rolling[0]),
     )
 
 

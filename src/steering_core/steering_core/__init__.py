@@ -1,1 +1,1 @@
-"""Foundation shared by every core: compiled kernels, parameters, names and source specialisation."""
+"""What every core stands on: compiled kernels, parameters, names, specialised sources."""

@@ -101,7 +101,8 @@ def kernel(function: Function) -> Function:
 
 
 def _processor() -> str:
-    return f"{llvmlite.binding.get_host_cpu_name()} {llvmlite.binding.get_host_cpu_features().flatten()}"
+    features = llvmlite.binding.get_host_cpu_features().flatten()
+    return f"{llvmlite.binding.get_host_cpu_name()} {features}"
 
 
 def _modified(folder: Path) -> float:

@@ -12,7 +12,7 @@ import importlib
 import os
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
 from types import ModuleType
@@ -70,8 +70,8 @@ def _write(path: Path, text: str) -> None:
     importlib.invalidate_caches()
 
 
-def _key(texts: Mapping[str, str] | object) -> str:
-    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]  # type: ignore[call-overload]
+def _key(texts: Iterable[str]) -> str:
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
 
 def _file_name(module: ModuleType) -> str:

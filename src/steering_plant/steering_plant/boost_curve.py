@@ -8,7 +8,6 @@ closing area; the opening one runs smoothly from the centre opening to the large
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
@@ -16,7 +15,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from steering_core.compiled import kernel
-from steering_core.naming import unknown
+from steering_core.csv_columns import read_columns
 from steering_core.parameters import ParameterError, ParameterSet, record
 
 FORMULA = np.zeros((0, 5))
@@ -114,7 +113,7 @@ def boost_table(path: str | Path) -> np.ndarray:
     The CSV file has the columns ``torsion_bar_torque_Nm`` and ``load_pressure_Pa``, torque rising
     from negative to positive. Rows of the result: start of the piece, then its coefficients from
     the third to the zeroth power (monotone, Fritsch-Carlson); ends continue linearly.
-    Raises ParameterError naming file and line.
+    Raises CsvError or ParameterError naming the file.
     """
     torque, pressure = _read_boost_csv(Path(path))
     curve = PchipInterpolator(torque, pressure)
@@ -125,31 +124,12 @@ def boost_table(path: str | Path) -> np.ndarray:
 
 
 def _read_boost_csv(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            for column in TABLE_COLUMNS:
-                if column not in (reader.fieldnames or ()):
-                    known = reader.fieldnames or ()
-                    raise ParameterError(f"{path}: needs {column}: {unknown('column', column, known)}")
-            rows = [_row(path, reader.line_num, line) for line in reader]
-    except (OSError, UnicodeDecodeError) as error:
-        raise ParameterError(f"cannot read the boost curve {path}: {error}") from None
-    table = np.array(rows, dtype=float).reshape(-1, 2)
-    if len(table) < 4 or np.any(np.diff(table[:, 0]) <= 0.0) or np.any(np.diff(table[:, 1]) < 0.0):
-        raise ParameterError(f"{path}: needs four rows or more, torque rising, pressure not falling")
-    if not table[0, 0] < 0.0 < table[-1, 0]:
+    columns = read_columns(path, TABLE_COLUMNS, increasing=TABLE_COLUMNS[0])
+    torque, pressure = (columns[name] for name in TABLE_COLUMNS)
+    if len(torque) < 4 or np.any(np.diff(pressure) < 0.0):
+        raise ParameterError(f"{path}: needs four rows or more, with a pressure that never falls")
+    if not torque[0] < 0.0 < torque[-1]:
         raise ParameterError(f"{path}: the torque must run from negative to positive values")
-    return table[:, 0], table[:, 1]
-
-
-def _row(path: Path, number: int, line: dict[str, str]) -> tuple[float, float]:
-    try:
-        torque, pressure = (float(line[column]) for column in TABLE_COLUMNS)
-    except (TypeError, ValueError):
-        raise ParameterError(f"{path}, line {number}: not a number") from None
-    if not (math.isfinite(torque) and math.isfinite(pressure)):
-        raise ParameterError(f"{path}, line {number}: not finite")
     return torque, pressure
 
 

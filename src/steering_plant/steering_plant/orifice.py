@@ -22,6 +22,8 @@ def orifice_flow(conductance, drop, transition):
 def orifice_flow_gain(conductance, drop, transition):
     """Return the derivative of ``orifice_flow`` with respect to the drop [m3/(s Pa)]."""
     square = drop * drop + transition * transition
-    return conductance * (0.5 * drop * drop + transition * transition) / (
-        square * math.sqrt(math.sqrt(square))
+    return (
+        conductance
+        * (0.5 * drop * drop + transition * transition)
+        / (square * math.sqrt(math.sqrt(square)))
     )

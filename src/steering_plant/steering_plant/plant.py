@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+
 from steering_core.naming import unknown
 from steering_core.parameters import ParameterSet, record
-
 from steering_plant import boost_curve, sensors
 from steering_plant.effects.models import NO_EFFECTS, plant_model
 from steering_plant.model import integrator, states
@@ -41,7 +41,7 @@ EFFECT_TOLERANCE = 1e-4
 
 MOST_FIXED_STEPS = 10_000
 
-LONGEST_STEP = {"open_centre": 1.001e-3, "closed_centre": 3.34e-4}
+LONGEST_STEP = {"open_centre": 1.001e-3, "closed_centre": 5.01e-4}
 """Longest inner step [s]. The tolerances alone would pass over what the spools do within a tick."""
 
 

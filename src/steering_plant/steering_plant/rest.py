@@ -67,9 +67,7 @@ def rest_solenoid_force(p: np.void, pressure: float) -> float:
     return float(p["pressure_area"] * pressure + spring + flow_force)
 
 
-def rest_signals(
-    p: np.void, names: tuple[str, ...], state: np.ndarray
-) -> dict[str, float]:
+def rest_signals(p: np.void, names: tuple[str, ...], state: np.ndarray) -> dict[str, float]:
     """Return what effects' states can be equal to at rest: the states and the solenoids' forces."""
     signals = dict(zip(names, state.tolist(), strict=True))
     closed = p["closed_centre"] > 0.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterError, ParameterSet
 

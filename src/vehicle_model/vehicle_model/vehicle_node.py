@@ -63,8 +63,7 @@ def with_effects(effects: Mapping[str, Mapping[str, float]]) -> tuple[Any, ...]:
         return ()
     from steering_plant.effects.models import vehicle_model
 
-    model, added = vehicle_model(effects, slots, step)
-    return model, added.values, added.rests
+    return vehicle_model(effects, slots, step)
 
 
 def make(

@@ -142,7 +142,7 @@ def run_ticks(
             command = commanded[row - delays[PLANT_DRIVER_DELAY], 0]
             at = row - delays[PLANT_LOAD_DELAY]
             force, stiffness, position = load[at, 0], load[at, 1], load[at, 2]
-            status = plant_step(
+            status = plant_step(  # type: ignore[call-arg]
                 *plant, tick, command, left_force, right_force, force, stiffness, position
             )
             if status != 0:

@@ -9,11 +9,10 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from steering_core.naming import unknown
 
+from steering_core.naming import unknown
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import Effect, Kernel, arguments
-
 
 STATE_SLOTS = {"effect_rates": "dy", "next_states": "y"}
 """Slots that move the effects' states, with the array that takes the result."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from steering_core.compiled import kernel
-
 from steering_plant.effects.base import Effect, Parameter
 
 ATMOSPHERE = 1.0e5

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from types import MappingProxyType, ModuleType
 from typing import Any
 
-from steering_core.specialise import specialised_package
+import numpy as np
 
+from steering_core.specialise import specialised_package
 from steering_plant.effects.compose import Composition, chosen, compose
 from steering_plant.model import slots, states, step
 
@@ -30,14 +31,15 @@ def plant_model(effects: Mapping[str, Mapping[str, Any]]) -> tuple[ModuleType, C
 
 def vehicle_model(
     effects: Mapping[str, Mapping[str, Any]], nominal_slots: ModuleType, nominal_step: ModuleType
-) -> tuple[ModuleType, Composition]:
-    """Return the vehicle's step module with ``effects`` and what they add to data and state.
+) -> tuple[ModuleType, np.ndarray, tuple[float, ...]]:
+    """Return the vehicle's step module with ``effects``, their values and their states at rest.
 
     The vehicle's own modules are handed in, because the vehicle does not know of the plant nor
     the plant of the vehicle.
     """
     added = compose(chosen(effects, "vehicle"), nominal_slots, {})
-    return _with_slots(nominal_step, added.slots), added
+    rests = tuple(float(rest) for rest in added.rests)
+    return _with_slots(nominal_step, added.slots), added.values, rests
 
 
 def _with_slots(nominal_step: ModuleType, source: str) -> ModuleType:

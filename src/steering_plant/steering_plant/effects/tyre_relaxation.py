@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from steering_core.compiled import kernel
-
 from steering_plant.effects.base import Effect, Parameter, State
 
 

@@ -1,9 +1,9 @@
 """Explicit Runge-Kutta 5(4) of Dormand and Prince inside one tick, inputs held.
 
-The inner step follows the local error, and with it the stiffness: 3 steps a tick while driving
+The inner step follows the local error, and with it the stiffness: 2 steps a tick while driving
 on-centre with the closed-centre system, more where a spool stands wide open. It depends on nothing
-but the state, so a
-run repeats to the bit. The last step's size travels with the state from tick to tick.
+but the state, so a run repeats to the bit. The last step's size travels with the state from tick
+to tick.
 """
 
 from __future__ import annotations
@@ -93,9 +93,7 @@ def advance(p, table, e, scale, time, span, y, step, u, work, flows):
             h = span / fixed
         else:
             h = (span - done) / math.ceil((span - done) / step[0] * (1.0 - 1e-9))
-        trial_step(
-            p, table, e, time + done, h, y, u, k1, k2, k3, k4, k5, k6, k7, new, at, flows
-        )
+        trial_step(p, table, e, time + done, h, y, u, k1, k2, k3, k4, k5, k6, k7, new, at, flows)
         fine = possible(p, new)
         if fixed > 0 and not fine:
             return NOT_FINITE

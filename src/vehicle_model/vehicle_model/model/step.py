@@ -35,9 +35,7 @@ def vehicle_step(
         _advance(par, state, x)
     state[5] = x
     tyres = (
-        p.force_by_sideslip * state[0]
-        + p.force_by_curvature * state[1]
-        + p.force_by_position * x
+        p.force_by_sideslip * state[0] + p.force_by_curvature * state[1] + p.force_by_position * x
     )
     distance = p.speed * p.period
     if tick > 0:
