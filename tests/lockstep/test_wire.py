@@ -13,8 +13,8 @@ from steering_lockstep.msg_text import MessageError, definition, leaves
 from steering_lockstep.topics import TABLE, TopicError, topic, wire
 from steering_lockstep.wire import Wire
 
-FIXED = [name for name, entry in TABLE.items() if entry.lockstep]
-OURS = sorted({t.type_name for t in TABLE.values() if t.type_name.startswith("steering_msgs")})
+FIXED = [name for name, entry in TABLE.items() if entry.lockstep] + ["/torque_overlay/lane_keeper"]
+OURS = sorted({topic(n).type_name for n in FIXED if topic(n).type_name.startswith("steering")})
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -38,10 +38,17 @@ def read(message, path):
     return message
 
 
+def fitting(layout, values):
+    """``values`` as the layout's fields can hold them: floats, whole numbers or truths."""
+    codes = {s.path: s.code for s in layout.slots}
+    kinds = [{"?": bool, "I": lambda v: abs(int(v))}.get(codes[f], float) for f in layout.fields]
+    return [kind(value) for kind, value in zip(kinds, values, strict=True)]
+
+
 @pytest.mark.parametrize("name", FIXED)
 def test_rosbags_reads_what_we_pack_and_writes_the_same_bytes(store, name):
     layout, tick = wire(name), 12_345
-    values = [0.5 - 3.0 * i for i in range(len(layout.fields))]
+    values = fitting(layout, [0.5 - 3.0 * i for i in range(len(layout.fields))])
     data = layout.pack(tick, values)
     full = topic(name).type_name.replace("/", "/msg/")
     message = store.deserialize_cdr(data, full)
@@ -58,7 +65,7 @@ def test_rosbags_reads_what_we_pack_and_writes_the_same_bytes(store, name):
 @pytest.mark.parametrize("name", FIXED)
 def test_unpack_is_the_inverse_of_pack(name):
     layout = wire(name)
-    values = [1e-3 * i for i in range(len(layout.fields))]
+    values = fitting(layout, [1e-3 * i for i in range(len(layout.fields))])
     assert layout.unpack(layout.pack(77, values)) == (77, *values)
 
 
@@ -73,6 +80,7 @@ def test_array_of_messages_is_the_messages_one_after_the_other(name):
     layout = wire(name)
     ticks = np.arange(995, 1005)
     columns = np.random.default_rng(1).normal(size=(10, len(layout.fields)))
+    columns = np.array([fitting(layout, row) for row in columns], np.float64)
     one_by_one = b"".join(
         layout.pack(int(tick), row) for tick, row in zip(ticks, columns.tolist(), strict=True)
     )
@@ -120,3 +128,16 @@ def test_unknown_message_is_named():
 def test_unknown_topic_suggests_the_nearest():
     with pytest.raises(TopicError, match="/steering/torque"):
         topic("/steering/torqe")
+
+
+def test_each_source_of_an_overlay_has_a_topic_that_carries_its_name():
+    assert topic("/torque_overlay/lane_keeper").strings["source"] == "lane_keeper"
+    assert topic("/torque_overlay/applied").type_name == "steering_msgs/TorqueOverlayApplied"
+    assert "/torque_overlay/side_wind_2" in TABLE
+
+
+@pytest.mark.parametrize("name", ["/torque_overlay", "/torque_overlay/", "/torque_overlay/Lane"])
+def test_a_source_needs_a_plain_name(name):
+    assert name not in TABLE
+    with pytest.raises(TopicError):
+        topic(name)

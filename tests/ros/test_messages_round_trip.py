@@ -10,7 +10,7 @@ messages = pytest.importorskip("steering_msgs.msg")
 pytestmark = pytest.mark.ros
 KINDS = (
     "SteeringTorque", "ChamberPressure", "RackState", "DriverTorque", "ValveCommand", "RackForce",
-    "PlantTruth", "TickReport",
+    "PlantTruth", "TickReport", "TorqueOverlay", "TorqueOverlayApplied",
 )  # fmt: skip
 
 
@@ -33,7 +33,9 @@ def filled(kind):
     message.tick = 2**63 + 1
     for index, name in enumerate(message.get_fields_and_field_types()):
         if name not in ("header", "tick"):
-            setattr(message, name, -math.pi * 10.0**index)
+            number = -math.pi * 10.0**index
+            kinds = {bool: True, int: index, str: f"name_{index}"}
+            setattr(message, name, kinds.get(type(getattr(message, name)), number))
     return message
 
 

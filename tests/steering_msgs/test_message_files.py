@@ -7,7 +7,7 @@ import pytest
 
 FOLDER = Path(__file__).resolve().parents[2] / "src" / "steering_msgs" / "msg"
 FILES = sorted(FOLDER.glob("*.msg"))
-UNITS = ("rad", "rad/s", "N m", "N", "N/m", "Pa", "m", "m/s", "m^3/s", "J")
+UNITS = ("rad", "rad/s", "N m", "N", "N/m", "Pa", "m", "m/s", "m/s^2", "m^3/s", "J", "1")
 SIGN = re.compile(r"positive|negative|K_T|supply port|load")
 
 
@@ -34,12 +34,15 @@ def test_all_messages_are_there():
 def test_header_and_tick_come_first(file):
     kinds = [(kind, name) for kind, name, _ in fields(file)]
     assert kinds[:2] == [("std_msgs/Header", "header"), ("uint64", "tick")]
-    assert {kind for kind, _ in kinds[2:]} <= {"float64"}
+    assert {kind for kind, _ in kinds[2:]} <= {"float64", "uint32", "bool", "string"}
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_every_number_names_unit_and_sign(file):
-    for _, name, comment in fields(file)[2:]:
+    for kind, name, comment in fields(file)[2:]:
+        if kind in ("bool", "string"):
+            assert comment, name
+            continue
         unit = re.match(r"[\w/^ ]+?(?=,| on | at | gauge| \w{3,}|$)", comment)
         assert unit is not None, name
         assert unit.group() in UNITS, (name, comment)

@@ -46,10 +46,12 @@ def controller_step(
     rack_x: float,
     rack_v: float,
     rack_force: float,
+    overlay: float,
 ) -> None:
     """Advance one tick: out = [reference pressure Pa, solenoid force N].
 
-    Inputs as measured at this tick. Finite inputs give finite outputs within the limits.
+    Inputs as measured at this tick; overlay [N m]: as applied by the arbiter. Finite inputs give
+    finite outputs within the limits.
     """
     p = par[0]
     highest = bounded(supply, 2.0 * p.atmospheric_pressure, 2.0 * p.supply_pressure)
@@ -59,7 +61,7 @@ def controller_step(
 
     load_v, state[SLIP] = compensation_speed(p, state[SLIP], wheel_v, rack_v)
     reference, load_pressure = reference_pressures(
-        p, table, p.side * torque, p.piston_area * load_v, highest
+        p, table, p.side * torque, p.piston_area * load_v, highest, p.side * overlay
     )
     # What the valve's gains are computed for keeps clear of the ends, where one edge has none.
     working = bounded(pressure, p.atmospheric_pressure, highest - p.atmospheric_pressure)
@@ -132,10 +134,12 @@ class ValveController:
         rack_x: float,
         rack_v: float,
         rack_force: float,
+        overlay: float = 0.0,
     ) -> np.ndarray:
         """Return ``out`` = [reference pressure Pa, solenoid force N] for one tick's measurement.
 
-        Units and signs of the inputs: SteeringTorque, ChamberPressure and RackState.
+        Units and signs of the inputs: SteeringTorque, ChamberPressure, RackState, and ``applied``
+        of TorqueOverlayApplied.
         """
         controller_step(
             self.par,
@@ -152,6 +156,7 @@ class ValveController:
             rack_x,
             rack_v,
             rack_force,
+            overlay,
         )
         return self.out
 

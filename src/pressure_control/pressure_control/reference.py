@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from pressure_control.limits import bounded
+from pressure_control.overlay.split import overlaid
 from steering_core.compiled import kernel
 from steering_plant.boost_curve import static_pressures
 
@@ -24,21 +25,24 @@ SPEED_LIMIT = 10.0
 
 @kernel
 def reference_pressures(
-    p: Any, table: np.ndarray, torque: float, load_flow: float, supply: float
+    p: Any, table: np.ndarray, torque: float, load_flow: float, supply: float, overlay: float = 0.0
 ) -> tuple[float, float]:
     """Return (right chamber's reference, open-centre valve's load pressure) [Pa].
 
     torque: torsion-bar torque [N m]. load_flow [m3/s]: into the right chamber; counted up to
     reference_flow_limit of the pump flow, as the static map has no meaning beyond the pump flow.
     supply: measured supply pressure [Pa]. common_pressure_raise is added to the reference, which
-    stays between zero and the supply less reference_supply_margin.
+    stays between zero and the supply less reference_supply_margin. overlay [N m]: torque at the
+    steering wheel as from a motor on the pinion, on top of what the open-centre valve would do.
     """
     limit = p.reference_flow_limit * p.pump_flow
     right, left = static_pressures(
         p, table, bounded(torque, -TORQUE_LIMIT, TORQUE_LIMIT), bounded(load_flow, -limit, limit)
     )
     highest = max(supply - p.reference_supply_margin, 0.0)
-    return bounded(right + p.common_pressure_raise, 0.0, highest), right - left
+    raised = p.common_pressure_raise
+    wanted = overlaid(p, right + raised, left + raised, overlay)
+    return bounded(wanted, 0.0, highest), right - left
 
 
 @kernel

@@ -18,6 +18,7 @@ class Input:
     """One input: the source's message of tick k - ``delay``, or what it last published by then.
 
     ``every``: ticks between the source's messages; ``rest``: values before its first message.
+    ``finite``: whether a number that is none is an error.
     """
 
     topic: str
@@ -25,6 +26,7 @@ class Input:
     delay: int = 0
     every: int = 1
     rest: tuple[float, ...] = ()
+    finite: bool = True
 
     def needed(self, tick: int) -> int:
         """Return the tick of the message that belongs to ``tick``, or ``REST``."""
@@ -59,6 +61,7 @@ class Barrier:
         message of a wrong size, out of turn, or with a number that is not finite.
         """
         unpack, every = self.inputs[index].wire.unpack, self.inputs[index].every
+        any_number = not self.inputs[index].finite
         need, held, early, received = self._need, self._held, self._early[index], self.received
 
         def receive(data: bytes) -> None:
@@ -68,7 +71,7 @@ class Barrier:
                 raise self._wrong_size(index, data) from None
             if tick != received[index] * every:
                 raise self._out_of_turn(index, tick)
-            if not isfinite(sum(values)):
+            if not (isfinite(sum(values)) or any_number):
                 raise not_finite(self.node, self.inputs[index], tick, values)
             received[index] += 1
             if tick == need[index]:

@@ -235,11 +235,11 @@ class LockstepNode(Node):
         handle = publisher.handle
         handle.__enter__()  # kept in use for the node's life instead of once a message
         send, layout, counts, node = handle.publish_raw, wire(name), self.published, self.spec.name
-        pack, entry = layout.pack, Input(name, layout)
+        pack, entry, any_number = layout.pack, Input(name, layout), not topic(name).finite
         counts[name] = 0
 
         def emit(tick: int, values: Sequence[float]) -> None:
-            if not isfinite(sum(values)):
+            if not (isfinite(sum(values)) or any_number):
                 raise not_finite(node, entry, tick, values)
             send(pack(tick, values))
             counts[name] += 1

@@ -39,6 +39,7 @@ class RunSettings:
                 delay,
                 self.every(name),
                 tuple(float(v) for v in self.rest.get(name, ())),
+                topic(name).finite,
             )
             for name, delay in spec.inputs.items()
         ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -10,9 +11,25 @@ from functools import cache
 from steering_lockstep.graph import CLOCK, CREDIT
 from steering_lockstep.wire import Wire
 
-__all__ = ["CLOCK", "CREDIT", "DIAGNOSTICS", "TABLE", "Topic", "TopicError", "topic", "wire"]
+__all__ = [
+    "APPLIED",
+    "CLOCK",
+    "CREDIT",
+    "DIAGNOSTICS",
+    "OVERLAY",
+    "TABLE",
+    "Topic",
+    "TopicError",
+    "overlay_source",
+    "topic",
+    "wire",
+]
 
 DIAGNOSTICS = "/diagnostics"
+OVERLAY = "/torque_overlay"
+"""What guests outside the lock step publish on; a member has OVERLAY/NAME to itself."""
+APPLIED = "/torque_overlay/applied"
+_SOURCE = re.compile(OVERLAY + r"/([a-z][a-z0-9_]{0,31})")
 
 
 @dataclass(frozen=True)
@@ -20,7 +37,8 @@ class Topic:
     """A topic of the bench. ``every``: published on each such tick of its node, in node ticks.
 
     ``type_name`` as "package/Name"; ``strings``: its constant strings by path. ``lockstep`` is
-    false for what comes on change only and is no member of the barrier.
+    false for what comes on change only and is no member of the barrier. ``finite``: a number that
+    is none ends the run; false where the reader deals with it.
     """
 
     name: str
@@ -28,14 +46,39 @@ class Topic:
     strings: Mapping[str, str] = field(default_factory=dict)
     every: int = 1
     lockstep: bool = True
+    finite: bool = True
 
 
 def _ours(name: str, message: str, frame: str) -> Topic:
     return Topic(name, f"steering_msgs/{message}", {"header.frame_id": frame})
 
 
-TABLE: Mapping[str, Topic] = {
-    topic.name: topic
+class _Topics(dict[str, Topic]):
+    """The fixed topics, and one for each source of a torque overlay, made when it is looked up."""
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or overlay_source(str(name)) is not None
+
+    def __missing__(self, name: str) -> Topic:
+        source = overlay_source(name)
+        if source is None:
+            raise KeyError(name)
+        return _overlay(name, source)
+
+
+def overlay_source(name: str) -> str | None:
+    """Return NAME of the topic /torque_overlay/NAME; None for any other topic."""
+    match = _SOURCE.fullmatch(name)
+    return match.group(1) if match and name != APPLIED else None
+
+
+def _overlay(name: str, source: str) -> Topic:
+    strings = {"header.frame_id": "steering_wheel", "source": source}
+    return Topic(name, "steering_msgs/TorqueOverlay", strings, finite=False)
+
+
+TABLE: Mapping[str, Topic] = _Topics(
+    (topic.name, topic)
     for topic in (
         _ours("/steering/torque", "SteeringTorque", "steering_wheel"),
         _ours("/steering/pressure", "ChamberPressure", "rack"),
@@ -44,6 +87,7 @@ TABLE: Mapping[str, Topic] = {
         _ours("/valve/left/command", "ValveCommand", "left_valve"),
         _ours("/valve/right/command", "ValveCommand", "right_valve"),
         _ours("/vehicle/rack_force", "RackForce", "rack"),
+        _ours(APPLIED, "TorqueOverlayApplied", "steering_wheel"),
         _ours("/truth/plant", "PlantTruth", "plant"),
         _ours(CREDIT, "TickReport", "recorder"),
         Topic(CLOCK, "rosgraph_msgs/Clock"),
@@ -56,7 +100,7 @@ TABLE: Mapping[str, Topic] = {
         Topic("/vehicle/imu", "sensor_msgs/Imu", {"header.frame_id": "base_link"}, every=10),
         Topic(DIAGNOSTICS, "diagnostic_msgs/DiagnosticArray", lockstep=False),
     )
-}
+)
 
 
 class TopicError(KeyError):

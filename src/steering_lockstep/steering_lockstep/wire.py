@@ -35,6 +35,11 @@ class Slot:
     size: int
     constant: bytes | None = None
 
+    @property
+    def is_whole(self) -> bool:
+        """Return whether the field holds a whole number."""
+        return self.code in "bBhHiIqQ"
+
 
 class Wire:
     """Layout of one message type with its strings fixed.
@@ -54,7 +59,8 @@ class Wire:
         self.fields = tuple(s.path for s in numbers if not _is_time(s.path))
         self.dtype = _dtype(numbers, self.size)
         self.template = bytes(self._blank())
-        self.pack: Pack = _packer(self.slots, self.has_tick)
+        whole = {i for i, s in enumerate(s for s in numbers if not _is_time(s.path)) if s.is_whole}
+        self.pack: Pack = _rounding(_packer(self.slots, self.has_tick), whole)
         self.unpack: Unpack = _unpacker(self.slots, self.size, self.has_tick)
 
     def array(self, count: int) -> np.ndarray:
@@ -152,6 +158,17 @@ def _packer(slots: Sequence[Slot], has_tick: bool) -> Pack:
         return make(before[0], *order((*before[1:], *time, *((tick,) if has_tick else ())), values))
 
     return pack
+
+
+def _rounding(pack: Pack, whole: set[int]) -> Pack:
+    """Return ``pack`` for values whose ``whole`` ones are floats that stand for whole numbers."""
+    if not whole:
+        return pack
+
+    def packed(tick: int, values: Sequence[float]) -> bytes:
+        return pack(tick, [int(v) if i in whole else v for i, v in enumerate(values)])
+
+    return packed
 
 
 def _format(slots: Sequence[Slot]) -> tuple[str, list[bytes]]:

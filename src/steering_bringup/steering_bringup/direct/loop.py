@@ -54,6 +54,7 @@ def control(core, measured, torque, pressure, rack, tick, trace, row):
         measured[rack, 6],
         measured[rack, 7],
         measured[rack, 8],
+        0.0,
     )
     keep(out, trace, row)
 

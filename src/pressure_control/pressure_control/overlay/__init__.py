@@ -1,0 +1,1 @@
+"""Torque overlays: what active-safety nodes ask, limited and arbitrated for both controllers."""
