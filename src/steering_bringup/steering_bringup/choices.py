@@ -15,8 +15,8 @@ from typing import Annotated, Any, ClassVar, Literal, get_type_hints
 
 from pydantic import BeforeValidator, Field, ValidationInfo, create_model, model_validator
 
-from steering_bringup.strict import Number, Strict, fault
 from steering_core.naming import unknown
+from steering_core.strict import Number, Strict, fault
 
 FILE_KINDS = ("table",)
 """Kinds whose numbers may come from a CSV file, named by ``file`` beside the scenario."""

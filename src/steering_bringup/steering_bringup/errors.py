@@ -1,7 +1,5 @@
 """The one error that the command line reports without a traceback."""
 
-from __future__ import annotations
+from steering_core.errors import BenchError
 
-
-class BenchError(Exception):
-    """What a user can put right: the text names the thing and what to do, on one line."""
+__all__ = ["BenchError"]

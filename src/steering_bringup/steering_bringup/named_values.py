@@ -9,8 +9,8 @@ from pydantic import BeforeValidator, GetJsonSchemaHandler
 from pydantic_core import CoreSchema
 
 from steering_bringup.effects_registry import effects
-from steering_bringup.strict import check_keys, fault, number
 from steering_core.parameters import ParameterError, flatten, load_parameters
+from steering_core.strict import check_keys, fault, number
 
 
 def check_parameters(data: Any) -> dict[str, float]:

@@ -14,9 +14,9 @@ import yaml
 
 from steering_bringup.errors import BenchError
 from steering_bringup.schema import Scenario
-from steering_bringup.yaml_lines import Document, Place, read_yaml
 from steering_core.naming import unknown
 from steering_core.parameters import ParameterError, flatten, load_parameters
+from steering_core.yaml_lines import Document, Place, read_yaml
 
 KINDS = ("manoeuvre", "load")
 KEYS = tuple(field.alias or name for name, field in Scenario.model_fields.items())

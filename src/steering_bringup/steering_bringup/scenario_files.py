@@ -10,10 +10,10 @@ from pydantic import ValidationError
 from steering_bringup.errors import BenchError
 from steering_bringup.schema import NodeSet, Scenario
 from steering_bringup.shipped import shipped
-from steering_bringup.strict import Strict
-from steering_bringup.validation import explain
-from steering_bringup.yaml_lines import Document, read_yaml
 from steering_core.naming import unknown
+from steering_core.strict import Strict
+from steering_core.validation import explain
+from steering_core.yaml_lines import Document, read_yaml
 
 Model = TypeVar("Model", bound=Strict)
 

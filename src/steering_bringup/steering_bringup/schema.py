@@ -13,8 +13,8 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 from driver_model.manoeuvres import MANOEUVRES, make_manoeuvre
 from steering_bringup.choices import Choice, choice_of
 from steering_bringup.named_values import EffectValues, ParameterValues
-from steering_bringup.strict import Number, Strict
 from steering_core.parameters import ParameterSet, load_parameters
+from steering_core.strict import Number, Strict
 from vehicle_model.loads import LOADS, make_load
 
 LONGEST_RUN_S = 86_400.0

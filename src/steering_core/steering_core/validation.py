@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from steering_bringup.yaml_lines import Document
+from steering_core.yaml_lines import Document
 
 TEXTS = {
     "missing": "is missing",

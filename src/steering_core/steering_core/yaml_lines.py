@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from steering_bringup.errors import BenchError
+from steering_core.errors import BenchError
 
 Place = tuple[str | int, ...]
 

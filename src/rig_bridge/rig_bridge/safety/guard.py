@@ -1,0 +1,108 @@
+"""The guard between bench and rig: one ``step`` a tick decides what the rig is told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+from rig_bridge.rig_file import RigFile
+from rig_bridge.safety.commands import Commands
+from rig_bridge.safety.faults import Fault, Kind
+from rig_bridge.safety.frame_watch import Frame
+from rig_bridge.safety.limits import smooth
+from rig_bridge.safety.machine import Seen, State, next_state
+from rig_bridge.safety.measurements import Measurements
+from rig_bridge.safety.start_up import StartUp
+
+
+class Reply(NamedTuple):
+    """What a tick gives: commands for the rig and measurements for the bench, SI, by name."""
+
+    state: State
+    commands: Mapping[str, float]
+    measured: Mapping[str, float]
+    fresh: bool
+
+
+class Guard:
+    """Pure: time, frames and commands come in with ``step``. ``fault`` is why the rig is safe.
+
+    rig: the rig's file. sequence_bits: width of the link's sequence numbers.
+    """
+
+    def __init__(self, rig: RigFile, sequence_bits: int = 32) -> None:
+        self.rig = rig
+        self.measurements = Measurements(rig, sequence_bits)
+        self.commands = Commands(rig)
+        self.start_up = StartUp(rig.watching)
+        self.state = State.CHECKING
+        self.fault: Fault | None = None
+        self.entering = 0
+        self.reset_was_held = False
+
+    def step(
+        self,
+        frames: Iterable[Frame],
+        now_ns: int,
+        asked: Mapping[str, float],
+        *,
+        asked_age: int = 0,
+        reset: bool = False,
+        link_up: bool = True,
+    ) -> Reply:
+        """Do one tick; called once a period, also when no frame has come.
+
+        frames: those since the last tick. now_ns: this machine's clock. asked: the bench's
+        commands, SI, by name, and their age in ticks. reset: leaves the safe state when it becomes
+        true. link_up: False when the transport knows that nobody is there.
+        """
+        wrong = self.measurements.tick(frames, now_ns, self.commands.sent)
+        if not link_up:
+            wrong = Fault(Kind.LINK, None, "the transport reports it")
+        was = self.state
+        pressed = reset and not self.reset_was_held
+        self.reset_was_held = reset
+        seen = Seen(self._is_fault(wrong, asked, asked_age), *self._progress(wrong), pressed)
+        self.state = next_state(was, seen)
+        self._enter(was)
+        self._send(asked)
+        fresh = self.measurements.fresh
+        return Reply(self.state, dict(self.commands.sent), self.measurements.values, fresh)
+
+    def _is_fault(self, wrong: Fault | None, asked: Mapping[str, float], age: int) -> bool:
+        """Note the fault, if there is one in this state."""
+        if self.state is State.SAFE:
+            return False  # it is safe already, and the start-up checks follow a reset
+        if self.state is State.CHECKING:
+            wrong = self.start_up.fault()  # anything less only delays the checks
+        elif wrong is None:
+            wrong = self.commands.fault(asked, age)
+        if wrong is not None:
+            self.fault = wrong
+        return wrong is not None
+
+    def _progress(self, wrong: Fault | None) -> tuple[bool, bool]:
+        """Return whether the checks have passed, and whether the commands are in."""
+        if self.state is State.CHECKING:
+            measurements = self.measurements
+            return self.start_up.see(measurements.channels, measurements.fresh, wrong), False
+        if self.state is State.ENTERING:
+            self.entering += 1
+        return False, self.entering >= self.rig.watching.entry_ticks
+
+    def _enter(self, was: State) -> None:
+        """Do what belongs to a change of state."""
+        if self.state is State.CHECKING and was is State.SAFE:
+            self.measurements.reset()
+            self.start_up.reset()
+            self.fault = None
+        if self.state is State.ENTERING and was is not State.ENTERING:
+            self.entering = 0
+
+    def _send(self, asked: Mapping[str, float]) -> None:
+        if self.state is State.RUNNING:
+            self.commands.follow(asked, 1.0)
+        elif self.state is State.ENTERING and self.entering > 0:
+            self.commands.follow(asked, smooth(self.entering / self.rig.watching.entry_ticks))
+        else:
+            self.commands.make_safe()  # also in the first tick of entering: nobody checked them yet

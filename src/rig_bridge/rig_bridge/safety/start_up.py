@@ -1,0 +1,57 @@
+"""Start-up checks: every channel alive and plausible for a while before pressure is raised."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rig_bridge.safety.channel_watch import ChannelWatch
+from rig_bridge.safety.faults import Fault, Kind
+from rig_bridge.watching import Watching
+
+
+class StartUp:
+    """Counts good ticks in a row; anything wrong starts the count again, the time-out ends it."""
+
+    def __init__(self, watching: Watching) -> None:
+        self.watching = watching
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again."""
+        self.ticks = 0
+        self.good = 0
+        self.last_wrong = "no measurements have come"
+
+    def see(self, channels: Sequence[ChannelWatch], fresh: bool, fault: Fault | None) -> bool:
+        """Take a tick; return whether the checks have passed."""
+        self.ticks += 1
+        wrong = self._implausible(channels, fresh)
+        if wrong is None and fault is not None:
+            wrong = str(fault)
+        if wrong is not None:
+            self.good, self.last_wrong = 0, wrong
+            return False
+        self.good += 1
+        still = next((channel.name for channel in channels if not channel.is_alive()), None)
+        if self.good < self.watching.check_ticks:
+            return False
+        if still is not None:
+            self.last_wrong = f"{still}: does not move at all"
+            return False
+        return True
+
+    def fault(self) -> Fault | None:
+        """Return the failure of the checks once their time is over."""
+        if self.ticks < self.watching.check_timeout_ticks:
+            return None
+        return Fault(Kind.START_UP, None, self.last_wrong)
+
+    def _implausible(self, channels: Sequence[ChannelWatch], fresh: bool) -> str | None:
+        if not fresh:
+            return self.last_wrong if self.good == 0 else "a tick without measurements"
+        for watch in channels:
+            if not watch.is_plausible():
+                low, high = watch.channel.plausible or watch.channel.range
+                value = f"{watch.seen} {watch.channel.unit}"
+                return f"{watch.name}: {value} is not plausible ({low:g} to {high:g})"
+        return None
