@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import cos, pi, sin
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import rig_bridge
 from rig_bridge.rig_file import RigFile, load_rig
+from rig_bridge.safety.faults import Fault
 from rig_bridge.safety.frame_watch import Frame
 from rig_bridge.safety.guard import Guard, Reply
 from rig_bridge.safety.machine import State
@@ -59,7 +61,7 @@ class HealthyRig:
         values["left_pressure"] = sent["left_reference_pressure"]
         values["right_pressure"] = sent["right_reference_pressure"]
         values["supply_pressure"] = 2e7
-        values["rack_force"] = load_reference(values | sent)
+        values["rack_force"] = load_reference(values | dict(sent))
         return {name: value + self.random.gauss(0.0, NOISE[name]) for name, value in values.items()}
 
     def frame(self, sent: Mapping[str, float], running: bool) -> Frame:
@@ -89,12 +91,28 @@ class Bench:
         self.rig = HealthyRig(seed)
         self.now_ns = 0
 
+    @property
+    def state(self) -> State:
+        """The guard's state."""
+        return self.guard.state
+
+    @property
+    def fault(self) -> Fault:
+        """Why the rig is safe."""
+        assert self.guard.fault is not None
+        return self.guard.fault
+
     def healthy(self) -> Frame:
         """Return the next frame; the wheel stands still during the checks."""
         moves = self.guard.state is not State.CHECKING
         return self.rig.frame(self.guard.commands.sent, moves)
 
-    def tick(self, frames=None, asked=None, **options) -> Reply:
+    def tick(
+        self,
+        frames: Sequence[Frame] | None = None,
+        asked: Mapping[str, float] | None = None,
+        **options: Any,
+    ) -> Reply:
         self.now_ns += PERIOD_NS
         given = [self.healthy()] if frames is None else frames
         return self.guard.step(given, self.now_ns, asked or ASKED, **options)
@@ -112,7 +130,9 @@ class Bench:
         assert self.guard.state is State.RUNNING, self.guard.fault
         return self
 
-    def ticks_to_safe(self, frames, limit: int = 10, **options) -> int:
+    def ticks_to_safe(
+        self, frames: Callable[[], Sequence[Frame]], limit: int = 10, **options: Any
+    ) -> int:
         """Return the ticks from the first of ``frames()`` until the rig is told to be safe."""
         for tick in range(1, limit + 1):
             reply = self.tick(frames(), **options)
