@@ -91,3 +91,38 @@ def test_delays_are_whole_ticks():
     for text in ("/driver/torque=1", "/driver/torque->plant=x", "/driver/torque->plant=-1"):
         with pytest.raises(BenchError, match="write TOPIC->NODE=TICKS"):
             set_delay(document, text)
+
+
+CURVE = "torsion_bar_torque_Nm,load_pressure_Pa\n-4,-9e6\n-2,-8e5\n0,0\n2,1.2e6\n4,7e6\n"
+
+
+def test_files_of_an_option_are_looked_for_where_the_command_is_called(tmp_path, monkeypatch):
+    """They were once looked for beside the scenario, which for a shipped one is in the package."""
+    (tmp_path / "curve.csv").write_text(CURVE)
+    (tmp_path / "force.csv").write_text("time_s,rack_force_N\n0,100\n1,200\n")
+    monkeypatch.chdir(tmp_path)
+    document = open_scenario("on_centre")
+    for text in ("boost_curve=curve.csv", "load.kind=table", "load.file=force.csv"):
+        set_value(document, text)
+    scenario = check_scenario(document, Path("/elsewhere"))
+    assert scenario.boost_curve is not None
+    assert scenario.boost_curve.load_pressure_Pa == (-9e6, -8e5, 0.0, 1.2e6, 7e6)
+    assert scenario.load.make().rack_force_n == (100.0, 200.0)
+
+
+def test_files_of_a_file_of_changes_lie_beside_it(tmp_path):
+    (tmp_path / "curve.csv").write_text(CURVE)
+    (tmp_path / "changes.yaml").write_text("boost_curve: curve.csv\n")
+    document = open_scenario("on_centre")
+    set_file(document, str(tmp_path / "changes.yaml"))
+    assert check_scenario(document, Path("/elsewhere")).boost_curve is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("0,0\n1,1", "4 points"), (CURVE.split("\n", 1)[1].replace("7e6", "1e6"), "never falls")],
+)
+def test_a_boost_curve_that_cannot_be_names_the_file(tmp_path, text, expected):
+    (tmp_path / "curve.csv").write_text("torsion_bar_torque_Nm,load_pressure_Pa\n" + text)
+    with pytest.raises(BenchError, match=rf"curve\.csv: .*{expected}"):
+        changed(f"boost_curve={tmp_path / 'curve.csv'}")

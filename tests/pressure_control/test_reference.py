@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 from pressure_control.record import controller_record
 from pressure_control.reference import compensation_speed, mirrored, reference_pressures
 from steering_core.parameters import load_parameters
-from steering_plant.boost_curve import FORMULA, boost_pressure, boost_table, opening_areas
+from steering_plant.boost_curve import FORMULA, boost_pressure, opening_areas
+from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 
 PARAMETERS = load_parameters()
 P = controller_record(PARAMETERS, "right")[0]
@@ -25,7 +26,7 @@ def table(tmp_path):
     path = tmp_path / "curve.csv"
     rows = "\n".join(f"{torque},{pressure}" for torque, pressure in CURVE)
     path.write_text(f"torsion_bar_torque_Nm,load_pressure_Pa\n{rows}\n")
-    return boost_table(path)
+    return boost_table(read_boost_curve(path))
 
 
 @pytest.mark.parametrize("torque", [-4.0, -1.3, 0.0, 0.7, 2.0, 3.1, 4.0])

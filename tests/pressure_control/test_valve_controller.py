@@ -13,7 +13,8 @@ from pressure_control.controller import CONTROLLERS, INTEGRAL, ValveController
 from pressure_control.linear_valve import linearise, simplified_response
 from pressure_control.schedule import scheduled_poles
 from steering_core.parameters import load_parameters
-from steering_plant.boost_curve import boost_pressure, boost_table
+from steering_plant.boost_curve import boost_pressure
+from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 from steering_plant.plant import Plant
 
 PARAMETERS = load_parameters()
@@ -103,7 +104,7 @@ def test_a_measured_boost_curve_takes_the_formulas_place(tmp_path, torque):
     path.write_text(
         "torsion_bar_torque_Nm,load_pressure_Pa\n-4,-9e6\n-2,-8e5\n0,0\n2,1.2e6\n4,7e6\n"
     )
-    table = boost_table(path)
+    table = boost_table(read_boost_curve(path))
     sides = {side: ValveController(PARAMETERS, side, table) for side in ("left", "right")}
     found = {side: core.step(0, *measured(torque=torque))[0] for side, core in sides.items()}
     curve = boost_pressure(sides["right"].par[0], table, torque)

@@ -103,7 +103,7 @@ def limited_force(p: Any, state: np.ndarray, increment: float, rest: float) -> f
 class ValveController:
     """Pressure controller of one chamber with its parameters and states.
 
-    side: "left" or "right". boost_table: a measured boost curve (boost_curve.boost_table) in
+    side: "left" or "right". boost_table: a measured boost curve (measured_boost_curve) in
     place of the formula. At first ``out`` holds the gear's rest: no torque, no load, the static
     map's pressure. Raises ControllerError where the sampled loop would be unstable.
     """

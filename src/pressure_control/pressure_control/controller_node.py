@@ -1,7 +1,8 @@
 """A chamber's pressure controller as a node; a bench has one for each side.
 
-Parameters: any of the data sheet, ``side`` (left or right), ``boost_curve`` (a CSV file in place of
-the formula), ``controller`` (a name of ``pressure_control.controller.CONTROLLERS``).
+Parameters: any of the data sheet, ``side`` (left or right), ``boost_curve.COLUMN`` (points of a
+measured curve in place of the formula, as the plant takes them), ``controller`` (a name of
+``pressure_control.controller.CONTROLLERS``).
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from steering_core.naming import unknown
 from steering_lockstep.core_parameters import check_own, parameter_set
 from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
-from steering_lockstep.ports import Ports
+from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.standalone import spin_alone
-from steering_plant.boost_curve import boost_table
+from steering_plant.measured_boost_curve import boost_table
 
 DEFAULT = "pressure_control_valve"
 
@@ -44,12 +45,11 @@ class ControllerNode(LockstepNode):
 
 def build_controller(values: Mapping[str, Any]) -> Any:
     """Return the controller of a node's parameter values."""
-    check_own(values, ("side", "boost_curve", "controller"), ())
+    check_own(values, ("side", "controller"), ("boost_curve",))
     kind = values.get("controller", DEFAULT)
     if kind not in CONTROLLERS:
         raise ValueError(unknown("controller", kind, CONTROLLERS))
-    curve = values.get("boost_curve")
-    table = None if curve is None else boost_table(curve)
+    table = boost_table(section(values, "boost_curve"))
     return CONTROLLERS[kind](parameter_set(values), values.get("side", "left"), table)
 
 

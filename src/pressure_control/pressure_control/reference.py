@@ -61,7 +61,7 @@ def compensation_speed(
 
 
 def mirrored(table: np.ndarray) -> np.ndarray:
-    """Return the boost table (see boost_curve.boost_table) of the mirrored gear, -f(-torque)."""
+    """Return the boost table (see measured_boost_curve) of the mirrored gear, -f(-torque)."""
     if len(table) == 0:
         return table
     starts, cubics = table[:, 0], table[:, 1:]

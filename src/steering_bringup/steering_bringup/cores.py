@@ -13,8 +13,8 @@ from steering_bringup.direct.runner import Cores
 from steering_bringup.errors import BenchError
 from steering_bringup.schema import NodeSet, Scenario
 from steering_core.parameters import ParameterError
-from steering_plant.boost_curve import FORMULA, boost_table
 from steering_plant.effects.models import vehicle_model
+from steering_plant.measured_boost_curve import boost_table
 from steering_plant.plant import Plant
 from vehicle_model.model import slots, step
 from vehicle_model.vehicle import Vehicle
@@ -60,7 +60,11 @@ def step_once(cores: Cores) -> None:
 
 def boost_curve(scenario: Scenario) -> np.ndarray:
     """Return the measured boost curve's table, or the one that stands for the formula."""
-    return FORMULA if scenario.boost_curve is None else boost_table(scenario.boost_curve)
+    return boost_table(_points(scenario))
+
+
+def _points(scenario: Scenario) -> dict[str, Any]:
+    return {} if scenario.boost_curve is None else scenario.boost_curve.model_dump()
 
 
 def rest_values(cores: Cores) -> dict[str, tuple[float, ...]]:
@@ -106,7 +110,7 @@ def changed_values(scenario: Scenario) -> dict[str, float]:
 
 def _own(scenario: Scenario, node_set: NodeSet, kind: str) -> dict[str, Any]:
     """Return what a kind of node takes beside the data sheet's values."""
-    curve = {} if scenario.boost_curve is None else {"boost_curve": scenario.boost_curve}
+    curve = {f"boost_curve.{name}": list(values) for name, values in _points(scenario).items()}
     effects = {
         f"effects.{effect}.{name}": value
         for effect, values in scenario.effects.items()

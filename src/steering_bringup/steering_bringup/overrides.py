@@ -19,6 +19,12 @@ from steering_core.parameters import ParameterError, flatten, load_parameters
 from steering_core.yaml_lines import Document, Place, read_yaml
 
 KINDS = ("manoeuvre", "load")
+FILES: tuple[Place, ...] = (
+    ("boost_curve",),
+    ("parameter_set",),
+    *((kind, "file") for kind in KINDS),
+)
+"""Places of a scenario that may name a file."""
 KEYS = tuple(field.alias or name for name, field in Scenario.model_fields.items())
 
 
@@ -46,7 +52,7 @@ def set_file(document: Document, path: str) -> None:
         raise BenchError(f"{path}: expected a mapping of names to values")
     changes = {key: value for key, value in given.data.items() if key not in ("schema", "name")}
     for key, value in changes.items():
-        merge(document, {key: value}, given.where((str(key),)))
+        merge(document, {key: value}, given.where((str(key),)), Path(path).parent)
 
 
 def set_delay(document: Document, text: str) -> None:
@@ -59,16 +65,27 @@ def set_delay(document: Document, text: str) -> None:
     _put(document, ("delays", name), int(value), f"--delay {text}")
 
 
-def merge(document: Document, changes: Mapping[str, Any], origin: str) -> None:
-    """Write ``changes`` (names with or without dots) into a scenario's data."""
+def merge(
+    document: Document, changes: Mapping[str, Any], origin: str, folder: Path = Path()
+) -> None:
+    """Write ``changes`` (names with or without dots) into a scenario's data.
+
+    Files that they name are looked for in ``folder``, not beside the scenario.
+    """
     for name, value in changes.items():
         first = str(name).split(".", 1)[0]
         if first in KEYS:
             place = tuple(str(name).split("."))
             for inner, leaf in _leaves(place, value):
-                _put(document, inner, leaf, origin)
+                _put(document, inner, _found(inner, leaf, folder), origin)
         else:
             _put_parameters(document, str(name), value, origin)
+
+
+def _found(place: Place, value: Any, folder: Path) -> Any:
+    """Return a file's name as seen from anywhere; other values as they are."""
+    is_file = place in FILES and isinstance(value, str) and Path(value).suffix != ""
+    return str(Path(folder, value).absolute()) if is_file else value
 
 
 def _put_parameters(document: Document, name: str, value: Any, origin: str) -> None:

@@ -8,13 +8,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from driver_model.manoeuvres import MANOEUVRES, make_manoeuvre
 from steering_bringup.choices import Choice, choice_of
 from steering_bringup.named_values import EffectValues, ParameterValues
 from steering_core.parameters import ParameterSet, load_parameters
 from steering_core.strict import Number, Strict
+from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 from vehicle_model.loads import LOADS, make_load
 
 LONGEST_RUN_S = 86_400.0
@@ -41,6 +42,29 @@ def _beside(name: str, info: ValidationInfo) -> str:
     return str(Path((info.context or {}).get("folder", "."), name)) if is_file else name
 
 
+class BoostCurve(Strict):
+    """Points of a measured boost curve; in a scenario also the name of a CSV file with them."""
+
+    torsion_bar_torque_Nm: tuple[Number, ...] = Field(description="rising")  # noqa: N815
+    load_pressure_Pa: tuple[Number, ...] = Field(description="never falling")  # noqa: N815
+
+    @model_validator(mode="after")
+    def _can_be_made(self) -> BoostCurve:
+        boost_table(self.model_dump())
+        return self
+
+
+def _read_curve(value: Any, info: ValidationInfo) -> Any:
+    """Replace a file by its numbers, so that neither a bag nor a node needs the file."""
+    return read_boost_curve(_beside(value, info)) if isinstance(value, str) else value
+
+
+Curve = Annotated[
+    BoostCurve | None,
+    BeforeValidator(_read_curve, json_schema_input_type=BoostCurve | str | None),
+]
+
+
 class Scenario(Strict):
     """What is driven, on what, for how long, and with which parameters."""
 
@@ -58,8 +82,8 @@ class Scenario(Strict):
     )
     parameter_set: str = Field("nominal", description="parameter set by name or YAML file")
     parameters: ParameterValues = Field({}, description="values that differ from the set, SI")
-    boost_curve: str | None = Field(
-        None, description="CSV file of a measured boost curve in place of the formula"
+    boost_curve: Curve = Field(
+        None, description="measured boost curve in place of the formula: CSV file or points"
     )
     effects: EffectValues = Field({}, description="effects that are on, with their parameters")
     delays: dict[str, Ticks] = Field(
@@ -80,14 +104,6 @@ class Scenario(Strict):
     def _known_set(cls, name: str, info: ValidationInfo) -> str:
         path = _beside(name, info)
         load_parameters(path)
-        return path
-
-    @field_validator("boost_curve")
-    @classmethod
-    def _found_curve(cls, name: str | None, info: ValidationInfo) -> str | None:
-        path = None if name is None else _beside(name, info)
-        if path is not None and not Path(path).is_file():
-            raise ValueError(f"there is no file '{path}'")
         return path
 
     @property

@@ -9,19 +9,14 @@ closing area; the opening one runs smoothly from the centre opening to the large
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from steering_core.compiled import kernel
-from steering_core.csv_columns import read_columns
 from steering_core.parameters import ParameterError, ParameterSet, record
 
 FORMULA = np.zeros((0, 5))
 """The boost table that stands for the data sheet's formula."""
-
-TABLE_COLUMNS = ("torsion_bar_torque_Nm", "load_pressure_Pa")
 
 
 @kernel
@@ -29,7 +24,7 @@ def boost_pressure(p, table, torque):
     """Return the static load pressure [Pa] at zero load flow for a torsion-bar torque [N m].
 
     With an empty ``table`` boost_scale (exp(boost_rate |T|) - 1) with the torque's sign, continued
-    linearly above boost_linear_above; otherwise the table's piecewise cubic (see boost_table).
+    linearly above boost_linear_above; otherwise the table's piecewise cubic (measured_boost_curve).
     """
     if table.shape[0] > 0:
         return _cubic(table, torque)
@@ -105,32 +100,6 @@ def boost_record(parameters: ParameterSet, table: np.ndarray = FORMULA) -> np.nd
         | parameters.group("open_centre")
         | valve_constants(parameters, table)
     )
-
-
-def boost_table(path: str | Path) -> np.ndarray:
-    """Return the piecewise cubic of a measured boost curve, shape (n, 5).
-
-    The CSV file has the columns ``torsion_bar_torque_Nm`` and ``load_pressure_Pa``, torque rising
-    from negative to positive. Rows of the result: start of the piece, then its coefficients from
-    the third to the zeroth power (monotone, Fritsch-Carlson); ends continue linearly.
-    Raises CsvError or ParameterError naming the file.
-    """
-    torque, pressure = _read_boost_csv(Path(path))
-    curve = PchipInterpolator(torque, pressure)
-    slopes = curve.derivative()(torque[[0, -1]])
-    before = [torque[0] - 1.0, 0.0, 0.0, slopes[0], pressure[0] - slopes[0]]
-    after = [torque[-1], 0.0, 0.0, slopes[1], pressure[-1]]
-    return np.vstack([before, np.column_stack([torque[:-1], curve.c.T]), after])
-
-
-def _read_boost_csv(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    columns = read_columns(path, TABLE_COLUMNS, increasing=TABLE_COLUMNS[0])
-    torque, pressure = (columns[name] for name in TABLE_COLUMNS)
-    if len(torque) < 4 or np.any(np.diff(pressure) < 0.0):
-        raise ParameterError(f"{path}: needs four rows or more, with a pressure that never falls")
-    if not torque[0] < 0.0 < torque[-1]:
-        raise ParameterError(f"{path}: the torque must run from negative to positive values")
-    return torque, pressure
 
 
 def _slope_at_centre(parameters: ParameterSet, table: np.ndarray) -> float:

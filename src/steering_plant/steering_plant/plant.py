@@ -53,7 +53,7 @@ class Plant:
     """Steering wheel, torsion bar, rack and either hydraulic system, stepped once a tick.
 
     parameters: the parameter set. valve_system: ``open_centre`` or ``closed_centre``.
-    boost_table: measured boost curve (boost_curve.boost_table) in place of the formula.
+    boost_table: measured boost curve (measured_boost_curve) in place of the formula.
     effects: effects that are on, name to parameters; those not given are typical.
 
     At rest the rack stands in the middle, without load, at the pressures of the static map.

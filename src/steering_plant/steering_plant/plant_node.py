@@ -1,7 +1,8 @@
 """The plant as a node: the clock of the bench.
 
-Parameters: any of the data sheet, ``valve_system`` (open_centre or closed_centre), ``boost_curve``
-(a CSV file in place of the formula), ``effects.EFFECT.PARAMETER``.
+Parameters: any of the data sheet, ``valve_system`` (open_centre or closed_centre),
+``boost_curve.COLUMN`` (points of a measured curve in place of the formula: the columns
+``torsion_bar_torque_Nm`` and ``load_pressure_Pa``), ``effects.EFFECT.PARAMETER``.
 """
 
 from __future__ import annotations
@@ -14,10 +15,10 @@ from rclpy.context import Context
 from steering_lockstep.clock_node import ClockNode
 from steering_lockstep.core_parameters import check_own, effects_of, parameter_set
 from steering_lockstep.graph import NodeSpec
-from steering_lockstep.ports import Ports
+from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.standalone import spin_alone
-from steering_plant.boost_curve import FORMULA, boost_table
+from steering_plant.measured_boost_curve import boost_table
 from steering_plant.plant import Plant
 
 TRUTH = "/truth/plant"
@@ -48,9 +49,8 @@ class PlantNode(ClockNode):
 
 def build_plant(values: Mapping[str, Any]) -> Plant:
     """Return the plant of a node's parameter values."""
-    check_own(values, ("valve_system", "boost_curve"), ("effects",))
-    curve = values.get("boost_curve")
-    table = FORMULA if curve is None else boost_table(curve)
+    check_own(values, ("valve_system",), ("boost_curve", "effects"))
+    table = boost_table(section(values, "boost_curve"))
     valve_system = values.get("valve_system", "closed_centre")
     return Plant(parameter_set(values), valve_system, table, effects_of(values))
 
