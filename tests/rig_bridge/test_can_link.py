@@ -1,0 +1,62 @@
+"""The CAN link when the bus goes, is not there, or carries others' frames."""
+
+import time
+
+import can
+import pytest
+from healthy_rig import EMULATED
+from rig_links import DEMAND, FRAME, RIG, both_ends, link_settings
+
+from rig_bridge.transport.can_hub import CanHub
+from rig_bridge.transport.can_link import CanLink
+from rig_bridge.transport.registry import open_link
+from rig_bridge.transport.settings import CanSettings
+from steering_core.errors import BenchError
+
+
+def test_other_devices_on_the_bus_are_passed_over():
+    with both_ends("can") as (bench, rig):
+        rig.bus.send(can.Message(arbitration_id=0x700, data=b"12345678", is_extended_id=False))
+        rig.send_frame(FRAME)
+        rig.bus.send(can.Message(arbitration_id=0x18FF00F1, data=b"1", is_extended_id=True))
+        assert len(bench.receive_frames(1.0)) == 1
+        assert bench.bad == 0
+
+
+def test_a_bus_that_goes_is_noticed():
+    hub = CanHub()
+    settings = CanSettings(interface="socketcand", host="127.0.0.1", port=hub.port)
+    bench = CanLink(RIG, settings, EMULATED.with_suffix(".dbc"))
+    hub.close()
+    limit = time.monotonic() + 2.0
+    while bench.up and time.monotonic() < limit:
+        bench.send_demand(DEMAND)
+        bench.receive_frames(0.01)
+    assert not bench.up
+    assert bench.problem
+    bench.close()
+
+
+def test_no_such_interface_is_one_clear_line():
+    with pytest.raises(BenchError, match="cannot open the CAN bus"):
+        open_link("can", RIG, EMULATED.parent, {"interface": "none_such"})
+    with pytest.raises(BenchError, match="cannot open the CAN bus socketcan nocan7"):
+        open_link("can", RIG, EMULATED.parent, {"channel": "nocan7"})
+
+
+def test_can_without_a_dbc_file_is_refused(tmp_path):
+    with pytest.raises(BenchError, match="no DBC file"):
+        open_link("can", RIG.model_copy(update={"dbc": None}), tmp_path)
+
+
+def test_the_hub_serves_several_and_survives_one_that_leaves():
+    with link_settings("can") as settings:
+        buses = [can.Bus(**CanSettings.model_validate(settings).options()) for _ in range(3)]
+        buses[0].shutdown()
+        buses[1].send(can.Message(arbitration_id=0x123, data=b"\x00\x0f\xff", is_extended_id=False))
+        message = buses[2].recv(1.0)
+        assert message is not None
+        assert (message.arbitration_id, bytes(message.data)) == (0x123, b"\x00\x0f\xff")
+        assert buses[1].recv(0.05) is None, "nobody hears himself"
+        for bus in buses[1:]:
+            bus.shutdown()
