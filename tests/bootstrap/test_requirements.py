@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -70,3 +71,9 @@ def test_blocks_of_a_lock_file(tmp_path):
     assert list(blocks) == ["a-b", "c"]
     assert lockfile.version_in(blocks["a-b"]) == "1.0"
     assert blocks["a-b"].endswith("--hash=sha256:00\n")
+
+
+def test_the_type_checker_takes_the_python_that_runs_it():
+    """Each Python has a lock of its own: a numpy for 3.12 has annotations that 3.11 cannot read."""
+    settings = tomllib.loads((FOLDER.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    assert "python_version" not in settings["tool"]["mypy"]

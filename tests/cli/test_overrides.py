@@ -6,6 +6,7 @@ import pytest
 
 from steering_bringup.errors import BenchError
 from steering_bringup.overrides import set_delay, set_file, set_value
+from steering_bringup.plans import for_node_set, node_sets_of
 from steering_bringup.scenario_files import check_scenario, open_scenario
 from steering_bringup.schema import Scenario
 
@@ -34,6 +35,23 @@ def test_a_new_kind_drops_what_belonged_to_the_old_one():
 
 def test_the_same_kind_keeps_its_values():
     assert changed("manoeuvre.kind=on_centre").manoeuvre.make().duration_s == 20.0
+
+
+def test_a_scenario_s_node_set_lies_beside_it(tmp_path):
+    (tmp_path / "mine.yaml").write_text("manoeuvre: step\nnode_set: set.yaml\n", encoding="utf-8")
+    document = open_scenario(str(tmp_path / "mine.yaml"))
+    assert check_scenario(document, tmp_path).node_set == (str(tmp_path / "set.yaml"),)
+
+
+def test_a_delay_counts_in_the_node_sets_that_have_its_connection():
+    document = open_scenario("on_centre")
+    set_delay(document, "/valve/left/command->plant=1")
+    set_delay(document, "/driver/torque->plan=1")
+    scenario = check_scenario(document, Path())
+    sets = node_sets_of(scenario)
+    kept = [set(for_node_set(scenario, each, sets).delays) for each in sets]
+    slip = "/driver/torque->plan"
+    assert kept == [{slip}, {slip, "/valve/left/command->plant"}]
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,11 @@ def recorded_types(graph: Graph) -> dict[str, str]:
     return {topic: TABLE[topic].type_name.replace("/", "/msg/") for topic in topics}
 
 
+def connections(node_set: NodeSet) -> list[str]:
+    """Return the connections of a node set, as "TOPIC->NODE"."""
+    return [f"{topic}->{name}" for name, entry in node_set.nodes.items() for topic in entry.inputs]
+
+
 def connection_delays(graph: Graph) -> dict[str, int]:
     """Return the connections that wait, as "TOPIC->NODE": ticks."""
     return {
@@ -72,7 +77,7 @@ def connection_delays(graph: Graph) -> dict[str, int]:
 
 def _inputs(node_set: NodeSet, delays: Mapping[str, int]) -> dict[str, dict[str, int]]:
     inputs = {name: dict(entry.inputs) for name, entry in node_set.nodes.items()}
-    known = [f"{topic}->{name}" for name, entry in inputs.items() for topic in entry]
+    known = connections(node_set)
     for connection, ticks in delays.items():
         if connection not in known:
             raise GraphError(unknown("connection", connection, known))

@@ -20,6 +20,7 @@ from steering_core.yaml_lines import Document, Place, read_yaml
 
 KINDS = ("manoeuvre", "load")
 FILES: tuple[Place, ...] = (
+    ("node_set",),
     ("boost_curve",),
     ("parameter_set",),
     *((kind, "file") for kind in KINDS),
@@ -84,6 +85,8 @@ def merge(
 
 def _found(place: Place, value: Any, folder: Path) -> Any:
     """Return a file's name as seen from anywhere; other values as they are."""
+    if isinstance(value, list):
+        return [_found(place, each, folder) for each in value]
     is_file = place in FILES and isinstance(value, str) and Path(value).suffix != ""
     return str(Path(folder, value).absolute()) if is_file else value
 

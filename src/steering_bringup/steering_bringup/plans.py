@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from steering_bringup.errors import BenchError
-from steering_bringup.graphs import build_graph, connection_delays
+from steering_bringup.graphs import build_graph, connection_delays, connections
 from steering_bringup.replays import REPLAY_KIND, Replay, load_replay
 from steering_bringup.scenario_files import load_node_set
 from steering_bringup.schema import NodeSet, Scenario
@@ -97,6 +97,16 @@ def make_plan(
     run = RunSettings(graph, scenario.ticks)
     replays = {name: load_replay(graph.node(name), run, path) for name, path in from_bag.items()}
     return Plan(scenario, node_set, graph, manner, bag, parameters, replays)
+
+
+def for_node_set(scenario: Scenario, node_set: NodeSet, all_sets: Iterable[NodeSet]) -> Scenario:
+    """Return the scenario without the delays of connections that only other node sets have.
+
+    One that no node set has stays, for the check of the graph to refuse it.
+    """
+    elsewhere = {c for other in all_sets for c in connections(other)} - set(connections(node_set))
+    delays = {c: ticks for c, ticks in scenario.delays.items() if c not in elsewhere}
+    return scenario.model_copy(update={"delays": delays})
 
 
 def node_sets_of(scenario: Scenario) -> list[NodeSet]:

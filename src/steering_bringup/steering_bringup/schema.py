@@ -99,6 +99,11 @@ class Scenario(Strict):
             raise ValueError(f"must be a whole number of milliseconds, got {duration * 1e3:g} ms")
         return round(duration * 1000.0) / 1000.0
 
+    @field_validator("node_set")
+    @classmethod
+    def _node_set_files(cls, names: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        return tuple(_beside(name, info) for name in names)
+
     @field_validator("parameter_set")
     @classmethod
     def _known_set(cls, name: str, info: ValidationInfo) -> str:

@@ -114,7 +114,7 @@ def _folder(options: argparse.Namespace, name: str) -> Path:
 
 
 def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> list[Plan]:
-    from steering_bringup.plans import make_plan, node_sets_of
+    from steering_bringup.plans import for_node_set, make_plan, node_sets_of
 
     node_sets = node_sets_of(scenario)
     if options.record and (len(node_sets) > 1 or options.no_record):
@@ -125,7 +125,10 @@ def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> lis
         for node_set in node_sets
     }
     manner, from_bag = _manner(options), _from_bag(options)
-    return [make_plan(scenario, n, manner, bags[n.name], from_bag) for n in node_sets]
+    return [
+        make_plan(for_node_set(scenario, n, node_sets), n, manner, bags[n.name], from_bag)
+        for n in node_sets
+    ]
 
 
 def _from_bag(options: argparse.Namespace) -> dict[str, Path]:
