@@ -34,7 +34,7 @@ MORE: dict[str, set[str]] = {
 ROS_MODULES = {
     f"steering_lockstep.{name}"
     for name in ("diagnostics", "endpoints", "node", "spinner", "standalone", "worker")
-}
+} | {"steering_bringup.playback.publishers", "steering_bringup.cli.play"}
 """Modules that stand on rclpy beside the nodes, whose names end with ``_node``."""
 
 ROS_PACKAGES = {

@@ -1,0 +1,1 @@
+"""A bag published on ROS topics: sources of messages, pacing, keys, publishers."""

@@ -1,0 +1,238 @@
+"""``steer play`` and plain subscribers in another process."""
+
+import fcntl
+import json
+import os
+import pty
+import re
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench_process import Bench, wait_for
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from steering_bringup.bags import BagWriter, read_bag
+from steering_bringup.bags.encode import encode
+from steering_lockstep.domain import claim_domain
+
+pytest.importorskip("rclpy")
+pytestmark = pytest.mark.ros
+
+LISTENER = Path(__file__).parents[1] / "support" / "topic_listener.py"
+TOPICS = {
+    "/driver/torque": ("steering_msgs/msg/DriverTorque", "steering_wheel"),
+    "/steering/rack": ("steering_msgs/msg/RackState", "rack"),
+}
+CLOCK = "rosgraph_msgs/msg/Clock"
+TICKS = 600
+
+
+@pytest.fixture
+def domain():
+    claim = claim_domain()
+    yield str(claim.number)
+    claim.release()
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    """0.6 s of two topics at 1 kHz with random numbers."""
+    folder, ticks = tmp_path_factory.mktemp("play") / "bag", np.arange(TICKS)
+    random = np.random.default_rng(7)
+    with BagWriter(folder, {topic: kind for topic, (kind, _) in TOPICS.items()}) as writer:
+        payloads = {
+            topic: encode(kind, ticks * 10**6, {"tick": ticks, name: random.normal(size=TICKS)}, f)
+            for (topic, (kind, f)), name in zip(TOPICS.items(), ("torque", "force"), strict=True)
+        }
+        writer.write_block(ticks * 10**6, payloads)
+    return folder
+
+
+class Listener:
+    """The plain program, with the user's default middleware settings."""
+
+    def __init__(self, folder, domain, count, topics):
+        self.out = folder / "heard.json"
+        environment = {
+            **os.environ,
+            "ROS_DOMAIN_ID": domain,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
+        }
+        words = [f"{topic}={kind}" for topic, kind in topics.items()]
+        self.process = subprocess.Popen(
+            [sys.executable, str(LISTENER), str(self.out), str(count), "40", *words],
+            env=environment,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline() == "ready\n"
+
+    def heard(self):
+        self.process.communicate(timeout=60)
+        return json.loads(self.out.read_text())
+
+
+def types():
+    return {topic: kind for topic, (kind, _) in TOPICS.items()}
+
+
+def play(folder, domain, *words):
+    status, out, err = Bench("play", *map(str, words), "--domain", domain, folder=folder).finish()
+    assert status == 0, err
+    return out
+
+
+def seen(heard, topic):
+    return [bytes.fromhex(data) for _, data in heard[topic]]
+
+
+@pytest.mark.parametrize("rate", ["1", "3x", "max"])
+def test_a_subscriber_gets_every_recorded_byte(rate, bag, domain, tmp_path):
+    listener = Listener(tmp_path, domain, TICKS, {**types(), "/clock": CLOCK})
+    waits = [word for topic in TOPICS for word in ("--wait-for", topic)]
+    out = play(tmp_path, domain, bag, "--rate", rate, *waits)
+    heard, recorded = listener.heard(), read_bag(bag)
+    for topic in TOPICS:
+        assert seen(heard, topic) == [row.tobytes() for row in recorded.payloads[topic]]
+    assert f"{2 * TICKS} messages on 2 topics" in out
+    times = [t for t, _ in heard["/driver/torque"]]
+    if rate != "max":
+        took = (times[-1] - times[0]) * 1e-9
+        assert took == pytest.approx(0.599 / float(rate.rstrip("x")), abs=0.15)
+    assert len(heard["/clock"]) >= 20
+
+
+def test_a_part_again_and_again_under_another_name(bag, domain, tmp_path):
+    """From 0.1 s to 0.2 s, three times over: the same hundred messages without a seam."""
+    listener = Listener(tmp_path, domain, 300, {"/mine": TOPICS["/driver/torque"][0]})
+    words = ["play", str(bag), "--loop", "--from", "0.1", "--to", "0.2", "--domain", domain]
+    words += ["--topics", "/driver/torque", "--remap", "/driver/torque:=/mine"]
+    bench = Bench(*words, "--wait-for", "/mine", folder=tmp_path)
+    heard = listener.heard()
+    bench.process.send_signal(signal.SIGINT)
+    status, out, _ = bench.finish()
+    assert status == 130
+    assert "passes" in out
+    rows = read_bag(bag).payloads["/driver/torque"][100:200]
+    assert seen(heard, "/mine")[:300] == [row.tobytes() for row in rows] * 3
+    times = [t for t, _ in heard["/mine"]]
+    assert (times[299] - times[0]) * 1e-9 == pytest.approx(0.299, abs=0.15)
+    assert bench.left_over() == []
+
+
+def foreign(folder):
+    """A bag of another tool: a standard type, one that is not installed, and one that differs."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    other = {"rig_msgs/msg/Gauge": "float32 strain\n", TOPICS["/driver/torque"][0]: "int8 gear\n"}
+    for name, text in other.items():
+        store.register(get_types_from_msg(text, name))
+    topics = {"/text": "std_msgs/msg/String", "/gauge": "rig_msgs/msg/Gauge"}
+    topics["/driver/torque"] = TOPICS["/driver/torque"][0]
+    with Writer(folder / "rig", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        made = {t: writer.add_connection(t, kind, typestore=store) for t, kind in topics.items()}
+        for k in range(20):
+            message = store.types["std_msgs/msg/String"](data=f"text {k}")
+            data = store.serialize_cdr(message, "std_msgs/msg/String")
+            writer.write(made["/text"], 10**18 + k * 10**7, data)
+            writer.write(made["/gauge"], 10**18 + k * 10**7, b"\0\1\0\0abcd")
+            writer.write(made["/driver/torque"], 10**18 + k * 10**7, b"\0\1\0\0a")
+    return folder / "rig"
+
+
+def test_what_is_not_installed_is_said_and_left_out(domain, tmp_path):
+    listener = Listener(tmp_path, domain, 20, {"/text": "std_msgs/msg/String"})
+    out = play(tmp_path, domain, foreign(tmp_path), "--wait-for", "/text")
+    assert [data[8:].decode().rstrip("\0") for data in seen(listener.heard(), "/text")] == [
+        f"text {k}" for k in range(20)
+    ]
+    assert "/gauge: its type rig_msgs/msg/Gauge is not installed" in out
+    assert "/driver/torque: the bag's steering_msgs/msg/DriverTorque has other fields" in out
+
+
+def test_a_cut_off_bag_plays_what_is_there(bag, domain, tmp_path):
+    data = next(bag.glob("*.mcap")).read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(data[: len(data) // 2])
+    out = play(tmp_path, domain, cut, "--rate", "max")
+    assert "note         cut.mcap is not complete" in out
+    assert 100 < int(re.findall(r"(\d+) messages on", out)[0]) < 2 * TICKS
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (("--topics", "/driver/torqe"), "'/driver/torque'"),
+        (("--from", "5"), "0.599 s long"),
+        (("--from", "0.3", "--to", "0.2"), "not after"),
+        (("--rate", "0"), "--rate 0"),
+        (("--remap", "/driver/torque:=/a b"), "no topic name"),
+        (("--domain", "999"), "0 to 232"),
+        (("--clock", "-1"), "--clock"),
+    ],
+)
+def test_slips_are_explained(words, text, bag, tmp_path):
+    status, _, err = Bench("play", str(bag), *words, folder=tmp_path).finish()
+    assert status == 1
+    assert text in err
+    assert "Traceback" not in err
+
+
+class Terminal:
+    """The command on a terminal of its own, as a person has it."""
+
+    def __init__(self, folder, *words):
+        path = os.pathsep.join(p for p in sys.path if p)
+        pid, self.descriptor = pty.fork()
+        if not pid:
+            os.chdir(folder)
+            command = [sys.executable, "-m", "steering_bringup.cli", *words]
+            os.execve(sys.executable, command, {**os.environ, "PYTHONPATH": path})
+        self.pid, self.shown = pid, b""
+        fcntl.ioctl(self.descriptor, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 110, 0, 0))
+
+    def press(self, keys):
+        os.write(self.descriptor, keys)
+
+    def read_until(self, text):
+        def look():
+            os.set_blocking(self.descriptor, False)
+            try:
+                self.shown += os.read(self.descriptor, 65536)
+            except BlockingIOError:
+                pass
+            except OSError:
+                return True  # the other side is closed
+            return text in self.shown
+
+        return wait_for(look)
+
+    def finish(self):
+        self.read_until(b"\0nothing says this\0")
+        _, status = os.waitpid(self.pid, 0)
+        os.close(self.descriptor)
+        return os.waitstatus_to_exitcode(status), self.shown.decode()
+
+
+def test_keys_pause_step_and_end(bag, domain, tmp_path):
+    """Paused at once, three steps: three stamps of two topics have been published."""
+    terminal = Terminal(tmp_path, "play", str(bag), "--domain", domain, "--json", "out.json")
+    terminal.press(b" ")
+    terminal.read_until(b"paused")
+    time.sleep(0.2)
+    terminal.press(b"s\x1b[Cs")
+    time.sleep(0.4)
+    terminal.press(b"q")
+    status, shown = terminal.finish()
+    assert status == 0, shown
+    counts = json.loads((tmp_path / "out.json").read_text())["counts"]
+    assert counts == {"/driver/torque": 3, "/steering/rack": 3}
