@@ -22,6 +22,15 @@ def parameter_set(values: Mapping[str, Any]) -> ParameterSet:
     return base.with_values({n: v for n, v in values.items() if n.split(".")[0] in groups})
 
 
+def description(name: str) -> str:
+    """Return what a data sheet parameter is, its unit at the end; empty for other names."""
+    sheet = load_parameters()
+    if name not in sheet:
+        return ""
+    info = sheet.info(name)
+    return f"{info.source} [{info.unit}]"
+
+
 def effects_of(values: Mapping[str, Any]) -> dict[str, dict[str, float]]:
     """Return the effects among ``values`` ("effects.entrained_air.air_fraction"), by name."""
     effects: dict[str, dict[str, float]] = {}

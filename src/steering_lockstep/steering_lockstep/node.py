@@ -7,11 +7,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from steering_lockstep.barrier import Barrier, Input, not_finite
+from steering_lockstep.core_parameters import description
 from steering_lockstep.endpoints import message_class, qos
 from steering_lockstep.errors import LockstepError
 from steering_lockstep.graph import Graph, NodeSpec
@@ -53,10 +55,12 @@ class LockstepNode(Node):
             context=context,
             use_global_arguments=parameters is None,
             enable_rosout=False,
-            start_parameter_services=False,
+            # A supervised run has no use for them, and pays for each endpoint as it starts.
+            start_parameter_services=parameters is None,
             automatically_declare_parameters_from_overrides=True,
             parameter_overrides=_overrides(parameters or {}),
         )
+        self._describe_parameters()
         self.spec = spec
         self.run = run
         self.busy = False
@@ -127,6 +131,10 @@ class LockstepNode(Node):
             if name not in ROS_PARAMETERS
         }
 
+    def description(self, name: str) -> str:
+        """Return what the node's parameter ``name`` is, its unit at the end; empty if unknown."""
+        return description(name)
+
     def report(self) -> Report:
         """Return what this node works on and waits for."""
         if self.finished:
@@ -138,7 +146,7 @@ class LockstepNode(Node):
         return self.barrier.lacking()
 
     def result(self) -> dict[str, Any]:
-        """Return what the supervisor is told at the end; ``lost``: gaps seen, by topic."""
+        """Return what the supervisor is told at the end; ``published``: messages by topic."""
         return {"published": dict(self.published)}
 
     def unmatched(self) -> list[str]:
@@ -174,6 +182,14 @@ class LockstepNode(Node):
                 return
             if not ready:
                 return
+
+    def _describe_parameters(self) -> None:
+        """Give each parameter its description; the core is built from them once, so they stay."""
+        for name in self.values():
+            descriptor = ParameterDescriptor(
+                description=self.description(name), read_only=True, dynamic_typing=True
+            )
+            self.set_descriptor(name, descriptor)
 
     def _warm(self, build: Callable[[Mapping[str, Any]], Any]) -> Any:
         """Build the core; a twin does a step first, so that no kernel is compiled in the run."""

@@ -18,6 +18,8 @@ from steering_lockstep.graph import NodeSpec
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.standalone import spin_alone
+from steering_plant.effects import EFFECTS
+from steering_plant.effects.base import description as effect_description
 from steering_plant.measured_boost_curve import boost_table
 from steering_plant.plant import Plant
 
@@ -45,6 +47,10 @@ class PlantNode(ClockNode):
         if TRUTH in self.emit:
             self.emit[TRUTH](tick, self.core.truth(tick).tolist())
         super().publish(tick, out)
+
+    def description(self, name: str) -> str:
+        """Return what the node's parameter ``name`` is, its unit at the end."""
+        return super().description(name) or effect_description(name, EFFECTS)
 
 
 def build_plant(values: Mapping[str, Any]) -> Plant:

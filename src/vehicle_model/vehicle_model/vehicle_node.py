@@ -45,6 +45,15 @@ class VehicleNode(LockstepNode):
         if IMU in self.emit and node_tick % topic(IMU).every == 0:
             self.emit[IMU](tick, imu_fields(self.core.imu()))
 
+    def description(self, name: str) -> str:
+        """Return what the node's parameter ``name`` is, its unit at the end."""
+        if not name.startswith("effects."):
+            return super().description(name)
+        from steering_plant.effects import EFFECTS
+        from steering_plant.effects.base import description
+
+        return description(name, EFFECTS)
+
 
 def vehicle_builder(ticks: int) -> Callable[[Mapping[str, Any]], Vehicle]:
     """Return the function that makes the vehicle of a node's parameter values."""

@@ -105,6 +105,13 @@ class Effect:
         }
 
 
+def description(name: str, effects: Mapping[str, Effect]) -> str:
+    """Return what the ROS parameter ``effects.EFFECT.PARAMETER`` is, its unit at the end."""
+    _, effect, parameter = name.split(".") if name.count(".") == 2 else ("", "", "")
+    found = effects[effect].parameters.get(parameter) if effect in effects else None
+    return "" if found is None else f"{effects[effect].summary}: {found.meaning} [{found.unit}]"
+
+
 def arguments(kernel: Kernel) -> list[str]:
     """Return the names of a compiled kernel's arguments."""
     return list(inspect.signature(getattr(kernel, "py_func", kernel)).parameters)
