@@ -81,6 +81,12 @@ def test_absurd_resonances_get_the_same_advice(resonance):
         check_sampled_stability(changed(resonance=resonance))
 
 
+def test_a_supply_that_holds_no_point_of_the_curve_is_refused():
+    """Without a point to judge by, any resonance at all once passed."""
+    with pytest.raises(ControllerError, match=r"closed_centre\.supply_pressure .* too low"):
+        check_sampled_stability(PARAMETERS.with_values({"closed_centre.supply_pressure": 2e5}))
+
+
 def test_a_nominal_displacement_inside_the_overlap_is_refused():
     overlapped = PARAMETERS.with_values({"pressure_control_valve.underlap": -3e-5})
     with pytest.raises(ControllerError, match="nominal_spool_displacement"):

@@ -1,5 +1,7 @@
 """What `ros2 param describe` shows: the meaning, the unit at the end, that it cannot be changed."""
 
+from typing import Any
+
 import pytest
 
 from steering_bringup.graphs import build_graph
@@ -17,8 +19,11 @@ from steering_lockstep.domain import claim_domain  # noqa: E402
 
 pytestmark = pytest.mark.ros
 GRAPH = build_graph(load_node_set("closed_centre"), {}, truth=False, record=False)
-OWN = {"plant": {"effects.entrained_air.air_fraction": 0.01}, "valve_left": {"side": "left"}}
-OWN["vehicle"] = {"effects.tyre_relaxation.relaxation_length": 0.4}
+OWN: dict[str, dict[str, Any]] = {
+    "plant": {"effects.entrained_air.air_fraction": 0.01},
+    "valve_left": {"side": "left"},
+    "vehicle": {"effects.tyre_relaxation.relaxation_length": 0.4},
+}
 
 
 @pytest.fixture(params=["plant", "valve_left", "driver", "vehicle"])

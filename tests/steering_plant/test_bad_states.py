@@ -61,6 +61,19 @@ def test_openings_that_cannot_be_are_refused():
         Plant(changed, "open_centre")
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"closed_centre.supply_pressure": 2e5},
+        {"valve_controller.common_pressure_raise": 3e7},
+    ],
+)
+def test_a_supply_below_the_pressure_of_rest_is_named(change):
+    """The search for the spool's rest once failed with the solver's own text."""
+    with pytest.raises(ParameterError, match=r"closed_centre\.supply_pressure .* must exceed"):
+        Plant(PARAMETERS.with_values(change), "closed_centre")
+
+
 def test_an_unknown_valve_system_names_the_nearest():
     with pytest.raises(ValueError, match="did you mean 'open_centre'"):
         Plant(PARAMETERS, "open_center")

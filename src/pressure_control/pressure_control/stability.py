@@ -37,8 +37,14 @@ def check_sampled_stability(
     resonance = parameters["valve_controller.resonance"]
     damping = parameters["valve_controller.damping"]
     points = operating_points(parameters, table)
+    if not points:
+        supply = parameters["closed_centre.supply_pressure"]
+        raise ControllerError(
+            f"closed_centre.supply_pressure {supply:g} Pa is too low for the valves to hold any "
+            "pressure of the boost curve, so nothing can be said of their stability"
+        )
     excess = [growth_excess(point, resonance, damping, delay) for point in points]
-    if not excess or max(excess) < 0.0:
+    if max(excess) < 0.0:
         return
     worst, _ = points[int(np.argmax(excess))]
     largest = largest_stable_resonance(points, resonance, damping, delay)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
+from steering_core.parameters import ParameterError
 from steering_plant import boost_curve
 from steering_plant.control_valve import holes_area
 from steering_plant.model.states import (
@@ -33,9 +34,18 @@ def rest_state(par: np.ndarray, table: np.ndarray, raised: float = 0.0) -> np.nd
 
 
 def closed_centre_rest_pressure(par: np.ndarray, table: np.ndarray, raised: float) -> float:
-    """Return both chambers' pressure at rest [Pa]: the open-centre map's plus the common raise."""
+    """Return both chambers' pressure at rest [Pa]: the open-centre map's plus the common raise.
+
+    Raises ParameterError where the supply cannot give it.
+    """
     right, _ = boost_curve.static_pressures(par[0], table, 0.0, 0.0)
-    return float(right) + raised
+    pressure, supply = float(right) + raised, float(par[0]["supply_pressure"])
+    if pressure >= supply:
+        raise ParameterError(
+            f"closed_centre.supply_pressure {supply:g} Pa must exceed the chambers' pressure at "
+            f"rest, {pressure:g} Pa, of which valve_controller.common_pressure_raise is {raised:g}"
+        )
+    return pressure
 
 
 def rest_spool(p: np.void, pressure: float) -> float:
