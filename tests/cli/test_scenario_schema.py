@@ -116,3 +116,22 @@ def test_the_json_schema_offers_parameters_with_units():
     assert "kg" in parameters["mechanics.rack_mass"]["description"]
     assert parameters["mechanics"]["properties"]["rack_mass"]["exclusiveMinimum"] == 0
     assert schema["additionalProperties"] is False
+
+
+def test_the_json_schema_offers_effects_with_bounds():
+    effects = Scenario.model_json_schema()["properties"]["effects"]
+    assert effects["additionalProperties"] is False
+    leakage = effects["properties"]["cross_piston_leakage"]["properties"]["leakage"]
+    assert (leakage["minimum"], leakage["maximum"]) == (0.0, 1e-11)
+    assert "m3/(s Pa)" in leakage["description"]
+
+
+def test_the_json_schema_takes_what_a_scenario_may_leave_out_or_shorten():
+    """One node set, a kind alone, no name: an editor must not mark what runs."""
+    schema = Scenario.model_json_schema()
+    assert schema["required"] == ["manoeuvre"]
+    properties = schema["properties"]
+    assert {"type": "string"} in properties["node_set"]["anyOf"]
+    for key, kind in (("manoeuvre", "step"), ("load", "dry_park")):
+        (names,) = [option["enum"] for option in properties[key]["anyOf"] if "enum" in option]
+        assert kind in names

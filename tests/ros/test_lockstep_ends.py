@@ -10,6 +10,7 @@ from pathlib import Path
 
 import lockstep_dummies as dummies
 import pytest
+from bench_process import orphans, shared_memory
 
 from steering_lockstep.domain import claim_domain
 from steering_lockstep.processes import Zygote, run_graph
@@ -43,10 +44,6 @@ def alive(pid):
         return False
 
 
-def shared_memory():
-    return {p.name for p in Path("/dev/shm").glob("*fastrtps*")}
-
-
 def wait_until(condition, seconds=10.0):
     deadline = time.monotonic() + seconds
     while not condition():
@@ -58,7 +55,7 @@ def wait_until(condition, seconds=10.0):
 def no_shared_memory_is_left():
     before = shared_memory()
     yield
-    assert shared_memory() <= before
+    wait_until(lambda: not orphans(shared_memory() - before))
 
 
 @pytest.fixture

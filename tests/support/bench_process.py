@@ -46,7 +46,7 @@ class Bench:
     def left_over(self) -> list[str]:
         """Return processes that still carry the mark, and new files in shared memory."""
         processes = [f"process {pid}" for pid in marked(self.mark) if pid != self.process.pid]
-        files = sorted(shared_memory() - self.shared_memory)
+        files = orphans(shared_memory() - self.shared_memory)
         return processes + [f"/dev/shm/{name}" for name in files]
 
 
@@ -95,6 +95,32 @@ def shared_memory() -> set[str]:
     """Return the names of the files in shared memory."""
     folder = Path("/dev/shm")
     return {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+
+
+def orphans(names: set[str]) -> list[str]:
+    """Return those files in shared memory that no other living process uses.
+
+    Another run on the same machine may make files of its own at any moment.
+    """
+    used: set[str] = set()
+    for process in Path("/proc").glob("[0-9]*") if names else ():
+        if process.name != str(os.getpid()):
+            used |= open_in(process)
+    return sorted(name for name in names if name not in used and Path("/dev/shm", name).exists())
+
+
+def open_in(process: Path) -> set[str]:
+    """Return the names of the files in shared memory that a process has mapped or open."""
+    try:
+        paths = [os.readlink(link) for link in (process / "fd").iterdir()]
+        paths += [
+            line.split(maxsplit=5)[-1]
+            for line in (process / "maps").read_text().split("\n")
+            if "/dev/shm/" in line
+        ]
+    except OSError:
+        return set()
+    return {path.removeprefix("/dev/shm/") for path in paths if path.startswith("/dev/shm/")}
 
 
 def recorded_bytes(bag: Path) -> int:

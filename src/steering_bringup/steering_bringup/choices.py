@@ -73,8 +73,9 @@ def choice_of(what: str, registry: Mapping[str, type], build: Callable[..., Any]
                 raise fault("kind", unknown(what, str(data["kind"]), registry))
         return data
 
-    union = reduce(or_, models)
-    return Annotated[union, Field(discriminator="kind"), BeforeValidator(check_kind)]
+    tagged: Any = Annotated[reduce(or_, models), Field(discriminator="kind")]
+    names: Any = Literal[tuple(registry)]  # a kind alone stands for its defaults
+    return Annotated[tagged, BeforeValidator(check_kind, json_schema_input_type=tagged | names)]
 
 
 def _model(what: str, kind: str, made: Any, build: Callable[..., Any]) -> type[Choice]:

@@ -80,4 +80,33 @@ def _effect_values(name: str, effect: Any, values: Any) -> dict[str, float]:
         raise fault(name, str(error)) from None
 
 
-EffectValues = Annotated[dict[str, dict[str, float]], BeforeValidator(check_effects)]
+class EffectSchema:
+    """JSON Schema of effects, made from their registry: editors offer names, bounds and units."""
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        entries = {name: _effect_entry(effect) for name, effect in effects().items()}
+        return {"type": "object", "properties": entries, "additionalProperties": False}
+
+
+def _effect_entry(effect: Any) -> dict[str, Any]:
+    values = {
+        name: {
+            "type": "number",
+            "description": effect.info[name],
+            "minimum": p.low,
+            "maximum": p.high,
+        }
+        for name, p in effect.parameters.items()
+    }
+    return {
+        "type": ["object", "null"],
+        "description": effect.summary,
+        "properties": values,
+        "additionalProperties": False,
+    }
+
+
+EffectValues = Annotated[dict[str, dict[str, float]], BeforeValidator(check_effects), EffectSchema]

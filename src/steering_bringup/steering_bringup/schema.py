@@ -8,7 +8,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from annotated_types import MinLen
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from driver_model.manoeuvres import MANOEUVRES, make_manoeuvre
 from steering_bringup.choices import Choice, choice_of
@@ -65,13 +73,27 @@ Curve = Annotated[
 ]
 
 
+NodeSetNames = Annotated[
+    tuple[str, ...],
+    Field(min_length=1),
+    BeforeValidator(_as_list, json_schema_input_type=str | Annotated[list[str], MinLen(1)]),
+]
+
+
+def _name_is_optional(schema: dict[str, Any]) -> None:
+    """A scenario without a name takes its file's."""
+    schema["required"].remove("name")
+
+
 class Scenario(Strict):
     """What is driven, on what, for how long, and with which parameters."""
+
+    model_config = ConfigDict(json_schema_extra=_name_is_optional)
 
     schema_version: Literal[1] = Field(1, alias="schema", description="version of this schema")
     name: Name
     description: str = Field("", description="one sentence for `steer list`")
-    node_set: Annotated[tuple[str, ...], BeforeValidator(_as_list), Field(min_length=1)] = Field(
+    node_set: NodeSetNames = Field(
         ("closed_centre",),
         description="node set by name or file; several are run one after the other and compared",
     )
