@@ -19,4 +19,9 @@ setup(
     maintainer_email="maintainers@steering-bench.example",
     description="Channels, limits, watchdogs and links to a hardware test rig.",
     license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "rig_emulator = rig_bridge.emulator.main:main",
+        ],
+    },
 )

@@ -1,4 +1,4 @@
-"""The guard between bench and rig: one ``step`` a tick decides what the rig is told."""
+"""The guard between bench and rig: each tick it decides what the rig is told."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ class Reply(NamedTuple):
 
 
 class Guard:
-    """Pure: time, frames and commands come in with ``step``. ``fault`` is why the rig is safe.
+    """Pure: time, frames and commands come in. ``fault`` is why the rig is safe.
+
+    A tick is one ``step``, or ``measure`` and then ``command`` where the commands answer what was
+    measured in the same tick.
 
     rig: the rig's file. sequence_bits: width of the link's sequence numbers.
     """
@@ -37,6 +40,7 @@ class Guard:
         self.start_up = StartUp(rig.watching)
         self.state = State.CHECKING
         self.fault: Fault | None = None
+        self.wrong: Fault | None = None
         self.entering = 0
         self.reset_was_held = False
 
@@ -52,14 +56,33 @@ class Guard:
     ) -> Reply:
         """Do one tick; called once a period, also when no frame has come.
 
-        frames: those since the last tick. now_ns: this machine's clock. asked: the bench's
-        commands, SI, by name, and their age in ticks. reset: leaves the safe state when it becomes
-        true. link_up: False when the transport knows that nobody is there.
+        frames, now_ns, link_up: see ``measure``. asked, asked_age, reset: see ``command``.
         """
-        wrong = self.measurements.tick(frames, now_ns, self.commands.sent)
+        self.measure(frames, now_ns, link_up=link_up)
+        return self.command(asked, asked_age=asked_age, reset=reset)
+
+    def measure(
+        self, frames: Iterable[Frame], now_ns: int, *, link_up: bool = True
+    ) -> Mapping[str, float]:
+        """Begin a tick: take what has come; return the measurements that may be used, SI, by name.
+
+        frames: those since the last tick. now_ns: this machine's clock. link_up: False when the
+        transport knows that nobody is there.
+        """
+        self.wrong = self.measurements.tick(frames, now_ns, self.commands.sent)
         if not link_up:
-            wrong = Fault(Kind.LINK, None, "the transport reports it")
-        was = self.state
+            self.wrong = Fault(Kind.LINK, None, "the transport reports it")
+        return self.measurements.values
+
+    def command(
+        self, asked: Mapping[str, float], *, asked_age: int = 0, reset: bool = False
+    ) -> Reply:
+        """End a tick: decide what the rig is told.
+
+        asked: the bench's commands, SI, by name, and their age in ticks. reset: leaves the safe
+        state when it becomes true.
+        """
+        wrong, was = self.wrong, self.state
         pressed = reset and not self.reset_was_held
         self.reset_was_held = reset
         seen = Seen(self._is_fault(wrong, asked, asked_age), *self._progress(wrong), pressed)

@@ -1,0 +1,37 @@
+"""The emulated rig's own file: what only the rig knows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from rig_bridge.emulator.sensors import Sensor
+from steering_core.errors import BenchError
+from steering_core.strict import Number, Strict
+from steering_core.validation import explain
+from steering_core.yaml_lines import read_yaml
+
+
+class EmulatorSettings(Strict):
+    """Plant, sensors, clock and watchdog of the emulated rig."""
+
+    parameter_set: str = "nominal"
+    parameters: dict[str, Number] = Field({}, description="where the rig differs from the set")
+    sensors: dict[str, Sensor] = Field({}, description="ideal where not given")
+    seed: int = Field(1, ge=0)
+    clock_drift: Number = Field(0.0, gt=-0.5, lt=0.5, description="relative; positive is slow")
+    clock_start_ns: int = Field(0, ge=0)
+    command_delay: int = Field(0, ge=0, le=20, description="periods")
+    stale_ticks: int = Field(5, ge=1, description="periods without commands until it is safe")
+
+
+def load_settings(path: str | Path) -> EmulatorSettings:
+    """Read an emulator's file; BenchError names file, line and key of what is wrong."""
+    document = read_yaml(Path(path))
+    data: Any = document.data or {}
+    try:
+        return EmulatorSettings.model_validate(data)
+    except ValidationError as error:
+        raise BenchError(explain(error, document)) from None
