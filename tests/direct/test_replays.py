@@ -1,5 +1,6 @@
 """What a bag must hold to stand for a node, and what the direct runner makes of it."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -149,6 +150,20 @@ def test_a_replayed_run_is_repeated_from_its_own_bag(original, tmp_path):
     assert first_difference(first, second) is None
     before, after = (trace.run["replayed"]["driver"]["sha256"] for trace in (first, second))
     assert before == after
+
+
+def test_a_bag_that_a_crash_cut_off_serves_as_far_as_it_goes(original, tmp_path):
+    cut = tmp_path / "cut"
+    shutil.copytree(original, cut)
+    (file,) = cut.glob("*.mcap")
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    (cut / "metadata.yaml").unlink()
+    with pytest.raises(BenchError, match=r"/driver/torque ends at tick .*--duration") as caught:
+        plan(None, driver=cut)
+    last = int(str(caught.value).split("ends at tick ")[1].split(",")[0])
+    replay = load(cut, ticks=last + 1)
+    whole = load(original, ticks=last + 1)
+    assert np.array_equal(replay.payloads[TOPIC], whole.payloads[TOPIC])
 
 
 def test_a_node_that_is_not_there_is_named(original):

@@ -17,6 +17,10 @@ PORTION = 8192
 """Messages whose places are turned into Python numbers at once."""
 
 
+COLUMNS = (np.int64, np.int32, np.int64, np.int32, np.int32)
+"""Of stamp, block, offset in it, size and topic of each message."""
+
+
 class McapSource:
     """The messages stay in their files; their places are sorted by time in memory."""
 
@@ -25,7 +29,7 @@ class McapSource:
         self.notes: list[str] = []
         self._blocks: list[Block] = []
         self._names: list[str] = []
-        parts: list[tuple[np.ndarray, ...]] = [(np.empty(0, np.int64),) * 5]
+        parts: list[tuple[np.ndarray, ...]] = [tuple(np.empty(0, kind) for kind in COLUMNS)]
         for file in files:
             found = _scan(file)
             self._note(file, found)
@@ -80,9 +84,10 @@ class McapSource:
             if channel not in numbers:
                 continue
             stamps = gather(block.data, offsets + LOG_TIME, np.dtype("<i8"))
-            sizes = gather(block.data, offsets + 1, np.dtype("<u8")).astype(np.int64) - 22
-            here = np.full(len(offsets), len(self._blocks) - 1)
-            yield stamps, here, offsets + PAYLOAD, sizes, np.full(len(offsets), numbers[channel])
+            sizes = gather(block.data, offsets + 1, np.dtype("<u8")).astype(np.int32) - 22
+            here = np.full(len(offsets), len(self._blocks) - 1, np.int32)
+            topic = np.full(len(offsets), numbers[channel], np.int32)
+            yield stamps, here, offsets + PAYLOAD, sizes, topic
 
     def _count(self) -> None:
         counts = np.bincount(self._topic_of, minlength=len(self._names)).tolist()

@@ -13,6 +13,7 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
+from rclpy.type_support import check_for_type_support
 from rosgraph_msgs.msg import Clock
 
 from steering_bringup.errors import BenchError
@@ -56,12 +57,12 @@ class Publishers:
             enable_rosout=False,
             start_parameter_services=False,
         )
-        self._publishers = {}
-        for topic, info in topics.items():
-            try:
-                self._publishers[topic] = self._make(message_class(info), names[topic], info)
-            except NotPlayable as reason:
-                self.skipped[topic] = str(reason)
+        self._publishers: dict[str, Any] = {}
+        try:
+            self._make_all(topics, names)
+        except BenchError:
+            self.close()
+            raise
         self._send = {t: p.handle.publish_raw for t, p in self._publishers.items()}
         self.counts = dict.fromkeys(self._publishers, 0)
         own = names.get(CLOCK) if CLOCK in self._publishers else None
@@ -117,7 +118,18 @@ class Publishers:
         self._node.destroy_node()
         self._context.try_shutdown()
 
+    def _make_all(self, topics: Mapping[str, TopicInfo], names: Mapping[str, str]) -> None:
+        for topic, info in topics.items():
+            try:
+                self._publishers[topic] = self._make(message_class(info), names[topic], info)
+            except NotPlayable as reason:
+                self.skipped[topic] = str(reason)
+
     def _make(self, kind: Any, name: str, info: TopicInfo) -> Any:
+        try:
+            check_for_type_support(kind)
+        except Exception as error:  # whatever loading a generated library raises
+            raise NotPlayable(f"{info.msgtype} has no type support here: {error}") from None
         try:
             publisher = self._node.create_publisher(kind, name, _qos(info.durable))
         except InvalidTopicNameException as error:
