@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from importlib import resources
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from steering_core.compiled import (
     CORE_PACKAGES,
     KEPT_CACHES,
     cache_folder,
+    cache_root,
     content_key,
     core_sources,
 )
@@ -95,3 +97,20 @@ def test_old_caches_are_removed(tmp_path, monkeypatch):
     assert present.name in left
     assert len(left) == KEPT_CACHES
     assert "old0" not in left
+
+
+def test_a_temporary_cache_that_is_somebody_else_s_is_not_used(tmp_path, monkeypatch):
+    """Without a home the cache is among everybody's temporary files, and what it holds is run."""
+    (tmp_path / "file").touch()
+    monkeypatch.delenv("STEER_KERNEL_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    own = tmp_path / f"steering-kernels-{os.getuid()}"
+    assert cache_root() == own
+    assert own.stat().st_mode & 0o077 == 0
+    owner = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: owner + 1)
+    (tmp_path / f"steering-kernels-{owner + 1}").mkdir()
+    used = cache_root()
+    assert used.parent == tmp_path
+    assert used.name != f"steering-kernels-{owner + 1}"

@@ -72,7 +72,19 @@ def cache_root() -> Path:
     try:
         root.mkdir(parents=True, exist_ok=True)
     except OSError:
-        return Path(tempfile.gettempdir()) / f"steering-kernels-{os.getuid()}"
+        return _temporary_root()
+    return root
+
+
+def _temporary_root() -> Path:
+    """Return a folder of our own among everybody's temporary ones.
+
+    What lies in it is loaded and run, so a folder that somebody else has put there is not used.
+    """
+    root = Path(tempfile.gettempdir()) / f"steering-kernels-{os.getuid()}"
+    root.mkdir(mode=0o700, exist_ok=True)
+    if root.is_symlink() or root.stat().st_uid != os.getuid():
+        return Path(tempfile.mkdtemp(prefix="steering-kernels-"))
     return root
 
 
