@@ -8,7 +8,6 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, GetJsonSchemaHandler
 from pydantic_core import CoreSchema
 
-from steering_bringup.effects_registry import effects
 from steering_core.parameters import ParameterError, flatten, load_parameters
 from steering_core.strict import check_keys, fault, number
 
@@ -61,13 +60,15 @@ ParameterValues = Annotated[dict[str, float], BeforeValidator(check_parameters),
 
 def check_effects(data: Any) -> dict[str, dict[str, float]]:
     """Return checked values of the named effects; what is not named keeps its default."""
-    known = effects()
-    if data is None:
+    if data is None or data == {}:
         return {}
     if not isinstance(data, Mapping):
         raise ValueError("must be a mapping of effect names to parameters")
-    check_keys("effect", data, known)
-    return {name: _effect_values(name, known[name], values) for name, values in data.items()}
+    # Only here: the registry imports the compiled kernels, which a scenario without effects spares.
+    from steering_plant.effects import EFFECTS
+
+    check_keys("effect", data, EFFECTS)
+    return {name: _effect_values(name, EFFECTS[name], values) for name, values in data.items()}
 
 
 def _effect_values(name: str, effect: Any, values: Any) -> dict[str, float]:
@@ -87,7 +88,9 @@ class EffectSchema:
     def __get_pydantic_json_schema__(
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        entries = {name: _effect_entry(effect) for name, effect in effects().items()}
+        from steering_plant.effects import EFFECTS
+
+        entries = {name: _effect_entry(effect) for name, effect in EFFECTS.items()}
         return {"type": "object", "properties": entries, "additionalProperties": False}
 
 

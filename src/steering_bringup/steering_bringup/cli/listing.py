@@ -100,7 +100,7 @@ def _kind(name: str, made: Any) -> Entry:
 
 
 def _effects() -> list[Entry]:
-    from steering_bringup.effects_registry import effects
+    from steering_plant.effects import EFFECTS
 
     return [
         {
@@ -108,7 +108,7 @@ def _effects() -> list[Entry]:
             "text": effect.summary,
             "more": [f"{parameter} = {line}" for parameter, line in effect.info.items()],
         }
-        for name, effect in effects().items()
+        for name, effect in EFFECTS.items()
     ]
 
 
