@@ -1,6 +1,7 @@
 """The UDP link with bad datagrams, strangers and nobody."""
 
 import socket
+import time
 
 import pytest
 from rig_links import DEMAND, FRAME, RIG, both_ends, free_port
@@ -42,6 +43,10 @@ def test_nobody_there_is_noticed_and_so_is_somebody():
         for _ in range(3):
             bench.send_demand(DEMAND)
             bench.receive_frames(0.02)
+        begin = time.monotonic()
+        bench.send_demand(DEMAND)
+        assert bench.receive_frames(0.1) == []
+        assert time.monotonic() - begin > 0.08, "being refused does not cut the wait short"
         assert not bench.up
         assert "refused" in str(bench.problem)
         rig = UdpLink(RIG, settings, rig_end=True)

@@ -14,6 +14,10 @@ class Latency:
     """Counts latencies in steps of 1 us, so that memory does not grow with the run."""
 
     def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin to count again."""
         self.counts: Counter[int] = Counter()
         self.largest_ns = 0
         self.late = 0

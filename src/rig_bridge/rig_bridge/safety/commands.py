@@ -37,7 +37,7 @@ class Commands:
     def follow(self, asked: Mapping[str, float], share: float) -> None:
         """Send ``share`` of what is asked (finite), within range and rate."""
         for name, channel in self.channels.items():
-            wanted = blended(channel.safe, asked[name], share)
+            wanted = blended(channel.safe, float(asked[name]), share)
             step = channel.rate * PERIOD_S
             self.sent[name] = limited(wanted, self.sent[name], channel.range, step)
             self.limited += self.sent[name] != wanted

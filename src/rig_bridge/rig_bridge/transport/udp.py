@@ -5,6 +5,7 @@ from __future__ import annotations
 import select
 import socket
 from collections.abc import Callable
+from time import monotonic
 from typing import TypeVar
 
 from rig_bridge.rig_file import RigFile
@@ -63,6 +64,7 @@ class UdpLink:
 
     def _receive(self, unpack: Callable[[bytes], Packet], timeout_s: float) -> list[Packet]:
         packets: list[Packet] = []
+        until = monotonic() + timeout_s
         select.select([self.socket], [], [], max(timeout_s, 0.0))
         while True:
             try:
@@ -70,8 +72,13 @@ class UdpLink:
             except BlockingIOError:
                 return packets
             except OSError as error:
+                # The answer that nobody listens comes at once; the wait is for somebody who does.
                 self.up, self.problem = False, f"{error.strerror}"
-                return packets
+                rest = until - monotonic()
+                if rest <= 0.0:
+                    return packets
+                select.select([self.socket], [], [], rest)
+                continue
             try:
                 packets.append(unpack(data))
                 self.up = True
