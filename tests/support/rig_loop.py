@@ -19,7 +19,7 @@ from steering_core.parameters import load_parameters
 from steering_plant.plant import plant_record
 from steering_plant.rest import rest_solenoid_force
 
-WAIT_S = 1.0
+WAIT_S = 10.0
 PAR = plant_record(load_parameters("nominal"), "closed_centre")[0]
 
 
