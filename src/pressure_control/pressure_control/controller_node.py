@@ -20,6 +20,7 @@ from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.standalone import spin_alone
+from steering_lockstep.topics import APPLIED
 from steering_plant.measured_boost_curve import boost_table
 
 DEFAULT = "pressure_control_valve"
@@ -43,6 +44,12 @@ class ControllerNode(LockstepNode):
     )
 
 
+class OverlaidControllerNode(ControllerNode):
+    """The same, with the torque overlay that the arbiter applies."""
+
+    ports = Ports(takes=(*ControllerNode.ports.takes, (APPLIED, "applied")))
+
+
 def build_controller(values: Mapping[str, Any]) -> Any:
     """Return the controller of a node's parameter values."""
     check_own(values, ("side", "controller"), ("boost_curve",))
@@ -57,7 +64,8 @@ def make(
     context: Context, spec: NodeSpec, run: RunSettings, parameters: Mapping[str, Any] | None
 ) -> ControllerNode:
     """Return a controller's node for a run."""
-    return ControllerNode(context, spec, run, parameters, build_controller)
+    kind = OverlaidControllerNode if APPLIED in spec.inputs else ControllerNode
+    return kind(context, spec, run, parameters, build_controller)
 
 
 def main() -> None:

@@ -13,7 +13,8 @@ from steering_bringup.outcome import Outcome, peaks
 from steering_bringup.plans import Plan
 from steering_bringup.process_age import process_age
 from steering_bringup.progress import Bar
-from steering_lockstep.topics import CLOCK, TABLE, wire
+from steering_lockstep.settings import RunSettings
+from steering_lockstep.topics import CLOCK, wire
 from steering_lockstep.wire import NANOSECONDS_PER_TICK
 from vehicle_model.motion_messages import IMU, ODOMETRY, imu_fields, odometry_fields
 
@@ -72,13 +73,19 @@ def write_bag(plan: Plan, trace: DirectTrace, vehicle: Vehicle) -> int:
     types = recorded_types(plan.graph)
     columns = trace_columns(trace, vehicle)
     replayed = {t: rows for replay in plan.replays.values() for t, rows in replay.payloads.items()}
-    payloads = {t: replayed[t] if t in replayed else _payload(t, columns[t]) for t in types}
+    run = RunSettings(plan.graph, plan.scenario.ticks)
+    rate = {t: run.every(t) for t in types}
+    payloads = {
+        t: replayed[t] if t in replayed else _payload(t, columns[t], rate[t]) for t in types
+    }
     with BagWriter(plan.bag, types, plan.metadata()) as writer:
         for start in range(0, plan.scenario.ticks, BLOCK_TICKS):
-            for every in sorted({TABLE[topic].every for topic in types}):
-                ticks = np.arange(start, min(start + BLOCK_TICKS, plan.scenario.ticks), every)
-                rows = slice(start // every, start // every + len(ticks))
-                block = {t: payloads[t][rows] for t in types if TABLE[t].every == every}
+            for every in sorted(set(rate.values())):
+                first = -(-start // every)
+                stop = min(start + BLOCK_TICKS, plan.scenario.ticks)
+                ticks = np.arange(first * every, stop, every)
+                rows = slice(first, first + len(ticks))
+                block = {t: payloads[t][rows] for t in types if rate[t] == every}
                 writer.write_block(ticks * NANOSECONDS_PER_TICK, block)
     return sum(len(rows) for rows in payloads.values())
 
@@ -95,9 +102,9 @@ def trace_columns(trace: DirectTrace, vehicle: Vehicle) -> dict[str, np.ndarray]
     return {**trace.topics(), **motion, CLOCK: np.empty((len(trace.torque), 0))}
 
 
-def _payload(topic: str, columns: np.ndarray) -> np.ndarray:
-    """Return the CDR bytes of every message of a topic, shape (n, size) uint8."""
-    ticks = np.arange(len(columns), dtype=np.int64) * TABLE[topic].every
+def _payload(topic: str, columns: np.ndarray, every: int) -> np.ndarray:
+    """Return the CDR bytes of a topic's messages, one ``every`` so many ticks, (n, size) uint8."""
+    ticks = np.arange(len(columns), dtype=np.int64) * every
     layout = wire(topic)
     rows = layout.from_columns(ticks, columns)
     return rows.view(np.uint8).reshape(len(ticks), layout.size)

@@ -38,6 +38,7 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
             timeout=plan.manner.timeout,
             on_progress=show,
             zygote=zygote,
+            domain=plan.manner.domain,
         )
     outcome = Outcome(
         scenario.name,

@@ -10,7 +10,7 @@ from steering_bringup.schema import NodeSet
 from steering_core.naming import unknown
 from steering_lockstep.graph import RECORDER_KIND, Graph, GraphError, NodeSpec, check_graph
 from steering_lockstep.kinds import location
-from steering_lockstep.topics import CREDIT, TABLE
+from steering_lockstep.topics import CREDIT, OVERLAY, TABLE
 
 RECORDER = "recorder"
 
@@ -43,6 +43,8 @@ def build_graph(
             for name, entry in node_set.nodes.items()
         ]
         _check_topics(nodes)
+        if node_set.valve_system == "open_centre":
+            _check_without_overlay(nodes)
         return check_graph([*nodes, recorder(nodes)] if record else nodes)
     except GraphError as error:
         raise BenchError(f"node set '{node_set.name}': {error}") from None
@@ -100,6 +102,16 @@ def _check_replayed(node_set: NodeSet, replayed: Iterable[str]) -> None:
     for name in replayed:
         if name not in node_set.nodes:
             raise GraphError(f"--from-bag {name}=...: {unknown('node', name, node_set.nodes)}")
+
+
+def _check_without_overlay(nodes: Iterable[NodeSpec]) -> None:
+    for node in nodes:
+        for topic in (*node.inputs, *node.outputs):
+            if topic.startswith(OVERLAY):
+                raise GraphError(
+                    f"node '{node.name}': {topic} needs pressure controllers; an open-centre "
+                    "valve is moved by the torsion bar alone and cannot apply a torque overlay"
+                )
 
 
 def _check_topics(nodes: Iterable[NodeSpec]) -> None:

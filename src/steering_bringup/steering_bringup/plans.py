@@ -15,17 +15,31 @@ from steering_bringup.schema import NodeSet, Scenario
 from steering_lockstep.graph import CLOCK, Graph, NodeSpec
 from steering_lockstep.settings import RunSettings
 
-DIRECT_KINDS = ("plant", "valve_controller", "driver", "vehicle", "recorder", REPLAY_KIND)
+ODOMETRY = "/vehicle/odometry"
+DIRECT_KINDS = (
+    "plant",
+    "valve_controller",
+    "driver",
+    "vehicle",
+    "overlay_arbiter",
+    "lane_keeper",
+    "recorder",
+    REPLAY_KIND,
+)
 
 
 @dataclass(frozen=True)
 class Manner:
-    """How runs are made, whatever is run. ``timeout``: s of wall clock without a tick."""
+    """How runs are made, whatever is run. ``timeout``: s of wall clock without a tick.
+
+    ``domain``: ROS_DOMAIN_ID in which nodes outside the run find it; None: a free one.
+    """
 
     runner: Literal["graph", "direct"] = "graph"
     processes: Literal["one", "each"] | None = None
     real_time: bool = False
     timeout: float = 2.0
+    domain: int | None = None
 
 
 @dataclass(frozen=True)
@@ -137,13 +151,32 @@ def _check_direct(graph: Graph) -> None:
                 f"the direct runner has no node of kind '{node.kind}' ('{node.name}'): "
                 "leave out --direct to run it in the graph"
             )
-        if node.period != 1:
+        if node.period != 1 and node.kind != "lane_keeper":
             raise BenchError(
                 f"the direct runner steps every node on every tick; '{node.name}' has "
                 f"period {node.period}: leave out --direct"
             )
         if node.kind == REPLAY_KIND:
             _check_direct_replay(node)
+    _check_direct_overlays(graph)
+
+
+def _check_direct_overlays(graph: Graph) -> None:
+    """Refuse what the compiled loop has no place for: it knows one arbiter and one lane keeper."""
+    places = {"overlay_arbiter": "arbiter", "lane_keeper": "lane_keeper"}
+    overlays = [node for node in graph.nodes if node.kind in places]
+    for node in overlays:
+        if node.name != places[node.kind]:
+            raise BenchError(
+                f"the direct runner knows one node of kind '{node.kind}', called "
+                f"'{places[node.kind]}', not '{node.name}': leave out --direct"
+            )
+        vehicle = graph.node(graph.publisher[ODOMETRY])
+        if vehicle.kind != "vehicle" or (node.kind == "lane_keeper" and node.inputs[ODOMETRY]):
+            raise BenchError(
+                f"the direct runner gives '{node.name}' the simulated vehicle's motion of the same "
+                "tick only: leave out --direct"
+            )
 
 
 def _check_direct_replay(node: NodeSpec) -> None:

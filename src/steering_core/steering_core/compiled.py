@@ -32,6 +32,7 @@ CORE_PACKAGES = (
     "driver_model",
     "vehicle_model",
     "steering_bringup.direct",
+    "steering_bringup.lane_keeping",
 )
 """Packages with kernels; the rest of the bring-up has none, and its edits cost no compilation."""
 KEPT_CACHES = 8

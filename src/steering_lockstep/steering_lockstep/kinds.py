@@ -10,6 +10,8 @@ from typing import Any
 FACTORIES = {
     "plant": "steering_plant.plant_node:make",
     "valve_controller": "pressure_control.controller_node:make",
+    "overlay_arbiter": "pressure_control.overlay.arbiter_node:make",
+    "lane_keeper": "steering_bringup.lane_keeping.lane_keeper_node:make",
     "driver": "driver_model.driver_node:make",
     "vehicle": "vehicle_model.vehicle_node:make",
     "recorder": "steering_bringup.recorder_node:make",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import cos, sin
 
 from steering_lockstep.topics import wire
+from vehicle_model.model.attitude import half_angle
 from vehicle_model.vehicle import Imu, Odometry
 
 ODOMETRY = "/vehicle/odometry"
@@ -16,13 +16,14 @@ NOT_GIVEN = -1.0
 
 def odometry_fields(motion: Odometry) -> list[float]:
     """Return the numbers of a nav_msgs/Odometry."""
+    sine, cosine = half_angle(motion.heading)
     return _filled(
         ODOMETRY,
         {
             "pose.pose.position.x": motion.x,
             "pose.pose.position.y": motion.y,
-            "pose.pose.orientation.z": sin(0.5 * motion.heading),
-            "pose.pose.orientation.w": cos(0.5 * motion.heading),
+            "pose.pose.orientation.z": sine,
+            "pose.pose.orientation.w": cosine,
             "twist.twist.linear.x": motion.v_x,
             "twist.twist.linear.y": motion.v_y,
             "twist.twist.angular.z": motion.yaw_rate,

@@ -26,6 +26,10 @@ EXAMPLES = """examples:
             --set valve_controller.resonance=400"""
 
 
+LAST_DOMAIN = 232
+"""Beyond it the ports of DDS end."""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add = parser.add_argument
@@ -57,6 +61,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
     add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
     add("--real-time", action="store_true", help="pace the ticks to the wall clock")
+    add("--domain", metavar="N", type=int, help="ROS_DOMAIN_ID, for nodes outside (default: free)")
     add("--timeout", metavar="S", type=float, default=2.0, help="s without a tick (default: 2)")
     out = parser.add_argument_group("what is kept")
     add = out.add_argument
@@ -146,12 +151,15 @@ def _manner(options: argparse.Namespace) -> Manner:
 
     if not options.timeout > 0.0:
         raise BenchError(f"--timeout must be greater than 0 s, got {options.timeout:g}")
-    if options.direct and (options.real_time or options.processes):
+    if options.direct and (options.real_time or options.processes or options.domain is not None):
         raise BenchError(
-            "--direct runs in one loop as fast as it goes: leave out --real-time and --processes"
+            "--direct runs in one loop as fast as it goes, without ROS: leave out --real-time, "
+            "--processes and --domain"
         )
+    if options.domain is not None and not 0 <= options.domain <= LAST_DOMAIN:
+        raise BenchError(f"--domain must be from 0 to {LAST_DOMAIN}, got {options.domain}")
     runner: Any = "direct" if options.direct else "graph"
-    return Manner(runner, options.processes, options.real_time, options.timeout)
+    return Manner(runner, options.processes, options.real_time, options.timeout, options.domain)
 
 
 def _tell(outcome: Outcome) -> None:

@@ -8,11 +8,15 @@ from __future__ import annotations
 
 from driver_model.lead_lag import driver_step
 from pressure_control.controller import controller_step
+from pressure_control.overlay.arbiter import arbiter_step
+from pressure_control.overlay.sources import message_tick
+from steering_bringup.lane_keeping.keeper import lane_keeper_step
 from steering_core.compiled import kernel
 from steering_plant.model.step import plant_step, report_truth
+from vehicle_model.model.attitude import half_angle
 from vehicle_model.model.step import vehicle_step
 
-MEASURED, DRIVER, LEFT_VALVE, RIGHT_VALVE, LOAD, TRUTH, MOTION = range(7)
+MEASURED, DRIVER, LEFT_VALVE, RIGHT_VALVE, LOAD, APPLIED, TRUTH, MOTION, LANE = range(9)
 """Positions in the tuple of traces."""
 
 MOTION_PERIOD = 10
@@ -31,13 +35,21 @@ MOTION_PERIOD = 10
     PLANT_LEFT_DELAY,
     PLANT_RIGHT_DELAY,
     PLANT_LOAD_DELAY,
-) = range(12)
+    ARBITER_TORQUE_DELAY,
+    ARBITER_LANE_DELAY,
+    ARBITER_MOTION_DELAY,
+    LEFT_OVERLAY_DELAY,
+    RIGHT_OVERLAY_DELAY,
+) = range(17)
 """Positions of the connections in the vector of delays."""
 
 
 @kernel
-def control(core, measured, torque, pressure, rack, tick, trace, row):
-    """Run one valve controller on rows of the measurement and keep its output in ``row``."""
+def control(core, measured, torque, pressure, rack, overlay, tick, trace, row):
+    """Run one valve controller on rows of the measurement and keep its output in ``row``.
+
+    overlay [N m]: as applied.
+    """
     par, table, state, out = core
     controller_step(
         par,
@@ -54,7 +66,51 @@ def control(core, measured, torque, pressure, rack, tick, trace, row):
         measured[rack, 6],
         measured[rack, 7],
         measured[rack, 8],
-        0.0,
+        overlay,
+    )
+    keep(out, trace, row)
+
+
+@kernel
+def keep_lane(core, vehicle_par, vehicle_state, tick, trace):
+    """Run the lane keeper on the vehicle's motion, if this tick is one of its own."""
+    par, lane, state, out, period = core
+    if tick % period[0] == 0:
+        speed = vehicle_par[0].speed
+        sideslip, curvature, heading = vehicle_state[0], vehicle_state[1], vehicle_state[2]
+        sine, cosine = half_angle(heading)
+        x, y, v_y, yaw_rate = (
+            vehicle_state[3],
+            vehicle_state[4],
+            speed * sideslip,
+            speed * curvature,
+        )
+        lane_keeper_step(par, lane, state, out, tick, x, y, sine, cosine, speed, v_y, yaw_rate)
+        keep(out, trace, tick // period[0])
+
+
+@kernel
+def arbitrate(core, lane_period, lane_delay, speed, measured, at, tick, asked, trace, row):
+    """Run the arbiter; ``asked`` holds what the lane keeper published, if there is one."""
+    par, state, kept, requests, longest, bounds, out = core
+    if requests.shape[0] > 0:
+        heard = message_tick(tick, lane_delay, lane_period)
+        requests[0, 2] = heard
+        if heard >= 0:
+            requests[0, 0] = asked[heard // lane_period, 0]
+            requests[0, 1] = asked[heard // lane_period, 1]
+    arbiter_step(
+        par,
+        state,
+        kept,
+        requests,
+        longest,
+        bounds,
+        out,
+        tick,
+        speed,
+        measured[at, 1],
+        measured[at, 2],
     )
     keep(out, trace, row)
 
@@ -68,12 +124,26 @@ def keep(out, trace, row):
 
 @kernel
 def run_ticks(
-    start, stop, last, plant, left, right, driver, vehicle, delays, before, replayed, traces
+    start,
+    stop,
+    last,
+    plant,
+    left,
+    right,
+    driver,
+    vehicle,
+    arbiter,
+    lane_keeper,
+    delays,
+    before,
+    replayed,
+    traces,
 ):
     """Run ticks ``start`` to ``stop`` - 1 and fill the traces; return (status, tick reached).
 
     last: number of ticks of the whole run; after its last tick the plant does not move on.
-    plant, left, right, driver, vehicle: the cores' arrays. delays: int64, shape (12,). before:
+    plant, left, right, driver, vehicle, arbiter, lane_keeper: the cores' arrays; an arbiter that
+    has no trace is not there, and so the lane keeper. delays: int64, shape (17,). before:
     rows of each delayed trace that stand before tick 0 and hold what was there at rest; at least
     the longest delay. traces: see the positions above; TRUTH may have no rows. replayed: int64,
     shape (5,), by the first five positions: 1 where the trace is given and its core is not run.
@@ -81,6 +151,9 @@ def run_ticks(
     measured, commanded, load = traces[MEASURED], traces[DRIVER], traces[LOAD]
     left_trace, right_trace = traces[LEFT_VALVE], traces[RIGHT_VALVE]
     truth, motion = traces[TRUTH], traces[MOTION]
+    applied, asked = traces[APPLIED], traces[LANE]
+    overlaid, keeping = applied.shape[0] > 0, asked.shape[0] > 0
+    lane_period = lane_keeper[4][0]
     par, table, e, y, u = plant[0], plant[1], plant[3], plant[5], plant[7]
     work, flows, out = plant[8], plant[9], plant[12]
     closed = par[0].closed_centre > 0.0
@@ -107,16 +180,6 @@ def run_ticks(
                 measured[at, 2],
             )
             keep(driver_out, commanded, row)
-        if closed and not replayed[LEFT_VALVE]:
-            at_torque = row - delays[LEFT_TORQUE_DELAY]
-            at_pressure = row - delays[LEFT_PRESSURE_DELAY]
-            at_rack = row - delays[LEFT_RACK_DELAY]
-            control(left, measured, at_torque, at_pressure, at_rack, tick, left_trace, row)
-        if closed and not replayed[RIGHT_VALVE]:
-            at_torque = row - delays[RIGHT_TORQUE_DELAY]
-            at_pressure = row - delays[RIGHT_PRESSURE_DELAY]
-            at_rack = row - delays[RIGHT_RACK_DELAY]
-            control(right, measured, at_torque, at_pressure, at_rack, tick, right_trace, row)
         if not replayed[LOAD]:
             at = row - delays[VEHICLE_RACK_DELAY]
             vehicle_step(
@@ -131,6 +194,26 @@ def run_ticks(
                 measured[at, 8],
             )
             keep(vehicle_out, load, row)
+        if keeping:
+            keep_lane(lane_keeper, vehicle_par, vehicle_state, tick, asked)
+        if overlaid:
+            at, speed = row - delays[ARBITER_TORQUE_DELAY], vehicle_par[0].speed
+            late = delays[ARBITER_LANE_DELAY]
+            arbitrate(arbiter, lane_period, late, speed, measured, at, tick, asked, applied, row)
+        if closed and not replayed[LEFT_VALVE]:
+            at_torque = row - delays[LEFT_TORQUE_DELAY]
+            at_pressure = row - delays[LEFT_PRESSURE_DELAY]
+            at_rack = row - delays[LEFT_RACK_DELAY]
+            torque = applied[row - delays[LEFT_OVERLAY_DELAY], 1] if overlaid else 0.0
+            control(left, measured, at_torque, at_pressure, at_rack, torque, tick, left_trace, row)
+        if closed and not replayed[RIGHT_VALVE]:
+            at_torque = row - delays[RIGHT_TORQUE_DELAY]
+            at_pressure = row - delays[RIGHT_PRESSURE_DELAY]
+            at_rack = row - delays[RIGHT_RACK_DELAY]
+            torque = applied[row - delays[RIGHT_OVERLAY_DELAY], 1] if overlaid else 0.0
+            control(
+                right, measured, at_torque, at_pressure, at_rack, torque, tick, right_trace, row
+            )
         if tick % MOTION_PERIOD == 0:
             for i in range(motion.shape[1]):
                 motion[tick // MOTION_PERIOD, i] = vehicle_state[i]

@@ -10,8 +10,12 @@ import numpy as np
 
 from driver_model.driver import Driver
 from pressure_control.controller import ValveController
+from pressure_control.overlay.arbiter import OUTPUTS as APPLIED_FIELDS
+from pressure_control.overlay.arbiter import OverlayArbiter
 from steering_bringup.direct import loop as nominal_loop
+from steering_bringup.lane_keeping.keeper import LaneKeeper, keeper_record
 from steering_core.naming import unknown
+from steering_core.parameters import load_parameters
 from steering_plant.plant import Plant, PlantError, failure_text
 from vehicle_model.vehicle import Vehicle
 
@@ -31,6 +35,11 @@ CONNECTIONS = (
     "/valve/left/command->plant",
     "/valve/right/command->plant",
     "/vehicle/rack_force->plant",
+    "/steering/torque->arbiter",
+    "/torque_overlay/lane_keeper->arbiter",
+    "/vehicle/odometry->arbiter",
+    "/torque_overlay/applied->valve_left",
+    "/torque_overlay/applied->valve_right",
 )
 """Connections that can have a delay, in the order of the loop's vector of delays."""
 
@@ -68,6 +77,8 @@ class Cores:
     left: ValveController | None = None
     right: ValveController | None = None
     loop: ModuleType = nominal_loop
+    arbiter: OverlayArbiter | None = None
+    lane_keeper: LaneKeeper | None = None
 
 
 @dataclass(frozen=True)
@@ -75,8 +86,9 @@ class DirectTrace:
     """What a direct run leaves: one float64 array a topic, row k of tick k, SI units.
 
     torque (n, 3), pressure (n, 3), rack (n, 3), driver (n, 2), left_valve and right_valve (n, 2;
-    no rows for the open-centre system), load (n, 3), truth (n, 8; no rows unless asked for):
-    fields of the messages in order. motion (n/10, 6): the vehicle's states at 100 Hz.
+    no rows for the open-centre system), load (n, 3), overlay (n, 19; no rows without an arbiter),
+    truth (n, 8; no rows unless asked for): fields of the messages in order. motion (n/10, 6): the
+    vehicle's states at 100 Hz. lane_keeper: (n/period, 2), no rows without one.
     """
 
     torque: np.ndarray
@@ -86,11 +98,13 @@ class DirectTrace:
     left_valve: np.ndarray
     right_valve: np.ndarray
     load: np.ndarray
+    overlay: np.ndarray
     truth: np.ndarray
     motion: np.ndarray
+    lane_keeper: np.ndarray
 
     def topics(self) -> dict[str, np.ndarray]:
-        """Return the arrays of the 1 kHz topics that were produced, by topic."""
+        """Return the arrays of the lock-step topics that were produced, by topic."""
         named = {
             "/steering/torque": self.torque,
             "/steering/pressure": self.pressure,
@@ -99,13 +113,15 @@ class DirectTrace:
             "/valve/left/command": self.left_valve,
             "/valve/right/command": self.right_valve,
             "/vehicle/rack_force": self.load,
+            "/torque_overlay/applied": self.overlay,
+            "/torque_overlay/lane_keeper": self.lane_keeper,
             "/truth/plant": self.truth,
         }
         return {topic: rows for topic, rows in named.items() if len(rows)}
 
 
 def delay_vector(delays: Mapping[str, int]) -> np.ndarray:
-    """Return the loop's delays in ticks, int64 of shape (12,), from connections by name.
+    """Return the loop's delays in ticks, int64 of shape (17,), from connections by name.
 
     Names are ``topic->node``. Raises ValueError for an unknown one or a negative delay.
     """
@@ -124,7 +140,7 @@ def rest_rows(cores: Cores) -> tuple[np.ndarray, ...]:
     zeros = np.zeros(2)
     left = zeros if cores.left is None else cores.left.out.copy()
     right = zeros if cores.right is None else cores.right.out.copy()
-    return (cores.plant.out.copy(), zeros, left, right, np.zeros(3))
+    return (cores.plant.out.copy(), zeros, left, right, np.zeros(3), np.zeros(APPLIED_FIELDS))
 
 
 def run(
@@ -155,9 +171,9 @@ def run(
             raise PlantError(failure_text(cores.plant, tick, status))
         if on_progress is not None:
             on_progress(stop)
-    measured, *commands = (trace[before:] for trace in traces[:5])
+    measured, *commands = (trace[before:] for trace in traces[:6])
     torque, pressure, rack = measured[:, :3], measured[:, 3:6], measured[:, 6:]
-    return DirectTrace(torque, pressure, rack, *commands, *traces[5:])
+    return DirectTrace(torque, pressure, rack, *commands, *traces[6:])
 
 
 def _fill(
@@ -178,12 +194,14 @@ def _fill(
 def _traces(cores: Cores, ticks: int, before: int, truth: bool) -> tuple[np.ndarray, ...]:
     """Return the loop's traces; the delayed ones begin with ``before`` rows of rest."""
     present = [True, True, cores.left is not None, cores.right is not None, True]
+    present.append(cores.arbiter is not None)
     delayed = [
         _delayed(rest, before, ticks if there else 0)
         for rest, there in zip(rest_rows(cores), present, strict=True)
     ]
     motion = np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), 6))
-    return (*delayed, np.empty((ticks if truth else 0, 8)), motion)
+    asked = 0 if cores.lane_keeper is None else -(-ticks // cores.lane_keeper.period)
+    return (*delayed, np.empty((ticks if truth else 0, 8)), motion, np.empty((asked, 2)))
 
 
 def _delayed(rest: np.ndarray, before: int, ticks: int) -> np.ndarray:
@@ -201,7 +219,22 @@ def _arrays(cores: Cores) -> tuple[tuple[np.ndarray, ...], ...]:
         _controller_arrays(cores.right),
         (driver.par, driver.reference, driver.hands_on, driver.state, driver.out),
         (vehicle.par, vehicle.external, vehicle.effects, vehicle.state, vehicle.out),
+        _arbiter_arrays(cores.arbiter),
+        _lane_keeper_arrays(cores.lane_keeper),
     )
+
+
+def _arbiter_arrays(arbiter: OverlayArbiter | None) -> tuple[np.ndarray, ...]:
+    """Return the arbiter's arrays, or some of their types for a loop without one."""
+    return (OverlayArbiter(load_parameters()) if arbiter is None else arbiter).arrays()
+
+
+def _lane_keeper_arrays(keeper: LaneKeeper | None) -> tuple[np.ndarray, ...]:
+    """Return the lane keeper's arrays, or some of their types for a loop without one."""
+    if keeper is None:
+        par = keeper_record(load_parameters(), 1)
+        return (par, np.zeros((1, 4)), np.zeros(2), np.zeros(2), np.array([1]))
+    return (keeper.par, keeper.lane, keeper.state, keeper.out, np.array([keeper.period]))
 
 
 def _controller_arrays(controller: ValveController | None) -> tuple[np.ndarray, ...]:
@@ -213,7 +246,6 @@ def _controller_arrays(controller: ValveController | None) -> tuple[np.ndarray, 
 def _absent_controller() -> tuple[np.ndarray, ...]:
     """Return arrays of a controller's types for a loop that has none; they are never used."""
     from pressure_control.record import controller_record
-    from steering_core.parameters import load_parameters
     from steering_plant.boost_curve import FORMULA
 
     return (controller_record(load_parameters(), "left"), FORMULA, np.zeros(3), np.zeros(2))
