@@ -20,7 +20,8 @@ LANE_KEEPING = "closed_centre_lane_keeping"
 
 def cores(node_set=LANE_KEEPING, ticks=3000, delays=None, manoeuvre=None, **parameters):
     scenario = load_scenario("lane_keeping")
-    update = {"duration": ticks * 1e-3, "parameters": parameters, "delays": delays or {}}
+    values = {**scenario.parameters, **parameters}
+    update = {"duration": ticks * 1e-3, "parameters": values, "delays": delays or {}}
     if manoeuvre:
         update["manoeuvre"] = load_scenario(manoeuvre).manoeuvre
     return build_cores(scenario.model_copy(update=update), load_node_set(node_set))
@@ -110,8 +111,10 @@ def through_the_lane(manoeuvre=None, **parameters):
 
 
 def test_the_car_stays_in_its_lane_hands_off():
+    """With side wind from 8 s on; without the keeper it would be metres off."""
     aside, trace = through_the_lane()
-    assert np.max(np.abs(aside)) < 0.05
+    assert np.max(np.abs(aside)) < 0.15
+    assert np.max(np.abs(aside[1200:])) < 0.1
     assert np.max(np.abs(trace.torque[:, 0])) > np.radians(7.0)
     assert np.all(trace.overlay[:, AUTHORITY] == 1.0)  # its own effect is not taken for hands
     assert np.max(np.abs(trace.overlay[:, HAND])) < 0.35  # the column's friction
@@ -128,7 +131,9 @@ def test_hands_on_the_wheel_overrule_it():
 
 def overlay_alone(torque, speed, ticks=6000):
     """Let a step of torque act hands off; return lateral acceleration, hand and authority."""
-    made = cores("closed_centre_overlay", ticks, **{"vehicle.speed": speed})
+    made = cores(
+        "closed_centre_overlay", ticks, **{"vehicle.speed": speed, "vehicle.wind_force": 0.0}
+    )
     acceleration, rows = [], []
     for tick in range(ticks):
         measured = made.plant.out.tolist()

@@ -15,7 +15,7 @@ from vehicle_model.bicycle import (
 from vehicle_model.loads.base import Load
 from vehicle_model.sampling import Sampled, first_order_hold
 
-STATES = ("sideslip", "curvature", "heading", "x", "y", "rack_position")
+STATES = ("sideslip", "curvature", "heading", "x", "y", "rack_position", "side_wind")
 OUTPUTS = ("force", "stiffness", "position")
 SLOWEST = 1.0e-6
 
@@ -33,6 +33,17 @@ def sampled_bicycle(p: Mapping[str, float], speed: float, period: float) -> Samp
     return Sampled(np.diag([0.0, 0.0, 1.0]), gains, gains)
 
 
+def wind_response(p: Mapping[str, float], speed: float, period: float) -> np.ndarray:
+    """Return what 1 N of side wind for one period adds to sideslip, curvature and heading, (3,).
+
+    It acts wind_arm ahead of the centre of gravity: F on m v beta', F wind_arm on I_z v kappa'.
+    """
+    if speed < SLOWEST:
+        return np.zeros(3)
+    push = np.array([1.0 / p["mass"], p["wind_arm"] / p["yaw_inertia"], 0.0]) / speed
+    return first_order_hold(continuous(p, speed)[0], push, period).held
+
+
 def constants(p: Mapping[str, float], load: Load, period: float) -> dict[str, float]:
     """Return the kernel's constants for the data sheet's vehicle ``p`` under ``load``.
 
@@ -47,7 +58,15 @@ def constants(p: Mapping[str, float], load: Load, period: float) -> dict[str, fl
     given_way = by_sideslip * sampled.slope[0] + by_curvature * sampled.slope[1]
     front, rear = tyre_gains(p)
     lateral = (front + rear) / p["mass"] if speed >= SLOWEST else np.zeros(3)
+    wind = wind_response(p, speed, period)
     named = {
+        "wind_force": p["wind_force"] if load.moves and speed >= SLOWEST else 0.0,
+        "wind_start": p["wind_start"],
+        "wind_rise": p["wind_rise"],
+        "sideslip_by_wind": wind[0],
+        "curvature_by_wind": wind[1],
+        "heading_by_wind": wind[2],
+        "acceleration_by_wind": 1.0 / p["mass"],
         "speed": speed,
         "period": period,
         "force_by_sideslip": by_sideslip,

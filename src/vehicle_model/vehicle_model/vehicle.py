@@ -36,8 +36,8 @@ class Vehicle:
     """The load ``load`` and the vehicle of a parameter set, sampled at 1 kHz.
 
     par: structured (1,), constants of the kernel. state: [sideslip, curvature 1/m, heading rad,
-    x m, y m, rack_position m] at the last tick. out: [force N, stiffness N/m, position m], the
-    rack's load F = force + stiffness (x - position), positive against positive displacement.
+    x m, y m, rack_position m, side_wind N] at the last tick. out: [force N, stiffness N/m,
+    position m], the rack's load F = force + stiffness (x - position), positive against positive displacement.
     external: given rack force [N] of ticks 0 to ``ticks``; afterwards its last value is kept.
     model: module with ``vehicle_step``; another one carries effects, whose parameters are
     ``effect_values`` and whose states at rest are ``effect_rest``.
@@ -79,17 +79,19 @@ class Vehicle:
 
     def odometry(self) -> Odometry:
         """Return position and velocity at the last tick."""
-        sideslip, curvature, heading, x, y, _ = self.state[: len(STATES)].tolist()
+        sideslip, curvature, heading, x, y, *_ = self.state[: len(STATES)].tolist()
         speed = float(self.par["speed"][0])
         return Odometry(x, y, heading, speed, speed * sideslip, speed * curvature)
 
     def imu(self) -> Imu:
         """Return lateral acceleration and yaw rate at the last tick."""
         p = self.par[0]
-        sideslip, curvature, _, _, _, rack_position = self.state[: len(STATES)].tolist()
+        sideslip, curvature, _, _, _, rack_position, wind = self.state[: len(STATES)].tolist()
         acceleration = (
             p["acceleration_by_sideslip"] * sideslip
             + p["acceleration_by_curvature"] * curvature
             + p["acceleration_by_position"] * rack_position
         )
+        if wind != 0.0:
+            acceleration += p["acceleration_by_wind"] * wind
         return Imu(float(acceleration), float(p["speed"]) * curvature)

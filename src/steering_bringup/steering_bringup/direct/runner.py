@@ -17,6 +17,7 @@ from steering_bringup.lane_keeping.keeper import LaneKeeper, keeper_record
 from steering_core.naming import unknown
 from steering_core.parameters import load_parameters
 from steering_plant.plant import Plant, PlantError, failure_text
+from vehicle_model.motion import STATES as MOTION_STATES
 from vehicle_model.vehicle import Vehicle
 
 CHUNK = 10_000
@@ -87,7 +88,7 @@ class DirectTrace:
 
     torque (n, 3), pressure (n, 3), rack (n, 3), driver (n, 2), left_valve and right_valve (n, 2;
     no rows for the open-centre system), load (n, 3), overlay (n, 19; no rows without an arbiter),
-    truth (n, 8; no rows unless asked for): fields of the messages in order. motion (n/10, 6): the
+    truth (n, 8; no rows unless asked for): fields of the messages in order. motion (n/10, 7): the
     vehicle's states at 100 Hz. lane_keeper: (n/period, 2), no rows without one.
     """
 
@@ -199,7 +200,7 @@ def _traces(cores: Cores, ticks: int, before: int, truth: bool) -> tuple[np.ndar
         _delayed(rest, before, ticks if there else 0)
         for rest, there in zip(rest_rows(cores), present, strict=True)
     ]
-    motion = np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), 6))
+    motion = np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), len(MOTION_STATES)))
     asked = 0 if cores.lane_keeper is None else -(-ticks // cores.lane_keeper.period)
     return (*delayed, np.empty((ticks if truth else 0, 8)), motion, np.empty((asked, 2)))
 

@@ -34,6 +34,9 @@ def vehicle_step(
     if tick > 0:
         _advance(par, state, x)
     state[5] = x
+    if p.wind_force != 0.0:
+        risen = (tick * p.period - p.wind_start) / p.wind_rise
+        state[6] = p.wind_force * min(max(risen, 0.0), 1.0)
     tyres = (
         p.force_by_sideslip * state[0] + p.force_by_curvature * state[1] + p.force_by_position * x
     )
@@ -69,6 +72,11 @@ def _advance(par: np.ndarray, state: np.ndarray, x: float) -> None:
         + p.heading_by_position * position
         + p.heading_by_rise * rise
     )
+    wind = state[6]
+    if wind != 0.0:
+        state[0] += p.sideslip_by_wind * wind
+        state[1] += p.curvature_by_wind * wind
+        state[2] += p.heading_by_wind * wind
     # The path is the one nonlinear part: trapezoidal rule, nanometres a tick at 70 km/h.
     half = 0.5 * p.period * p.speed
     cos0, sin0 = math.cos(heading), math.sin(heading)
