@@ -37,7 +37,8 @@ class Vehicle:
 
     par: structured (1,), constants of the kernel. state: [sideslip, curvature 1/m, heading rad,
     x m, y m, rack_position m, side_wind N] at the last tick. out: [force N, stiffness N/m,
-    position m], the rack's load F = force + stiffness (x - position), positive against positive displacement.
+    position m], the rack's load F = force + stiffness (x - position), positive against positive
+    displacement.
     external: given rack force [N] of ticks 0 to ``ticks``; afterwards its last value is kept.
     model: module with ``vehicle_step``; another one carries effects, whose parameters are
     ``effect_values`` and whose states at rest are ``effect_rest``.
