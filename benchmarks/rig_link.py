@@ -83,7 +83,7 @@ def main() -> None:
             p50, p99, most = (row[name] * 1e6 for name in ("p50", "p99", "max"))
             late = 100.0 * row["late"] / max(row["ticks"], 1)
             print(f"{kind}: p50 {p50:.0f} us, p99 {p99:.0f} us, max {most:.0f} us", flush=True)
-            print(f"  late {late:.3f} % of {row['ticks']}, lost {row['lost']}", end="")
+            print(f"  late {late:.3f} % of {row['ticks']}, lost {row['lost_frames']}", end="")
             print(f", longest gap {row['longest_gap'] * 1e3:.1f} ms")
     hub.close()
     if arguments.json:

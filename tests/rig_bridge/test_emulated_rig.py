@@ -47,7 +47,8 @@ def test_pressures_follow_their_commands_once_the_checks_have_passed(loop):
     assert right == pytest.approx(2.0e6, abs=1.5e5)
     # 10 bar on 7 cm2 are 700 N. The rack keeps 130 N of friction, the column 40 N.
     assert reply.measured["rack_force"] == pytest.approx(700.0, abs=180.0)
-    assert loop.bridge.report()["lost"] == 0
+    assert loop.bridge.report()["lost_frames"] == 0
+    assert loop.bridge.report()["ticks"] > 250
 
 
 def test_the_safe_state_lets_both_chambers_to_tank_and_leaves_the_wheel_free(loop):
@@ -165,3 +166,12 @@ def test_the_emulated_rig_repeats_to_the_bit():
 def test_the_rig_differs_from_the_data_sheet():
     nominal = load_parameters("nominal")
     assert all(nominal[name] != value for name, value in SETTINGS.parameters.items())
+
+
+def test_late_ticks_and_late_frames_are_told_apart():
+    with both_ends("udp") as (bench_end, rig_end):
+        loop = Loop(bench_end, rig_end)
+        loop.tick(HOLD)
+        loop.bridge.latency.add(2_000_000)
+        report = loop.bridge.report()
+    assert (report["late"], report["late_frames"]) == (1, 0)

@@ -60,7 +60,8 @@ class Bridge:
     def report(self) -> dict[str, float | int | str | None]:
         """Return latency and counts so far, and why the rig is safe if it is."""
         frames = self.guard.measurements.frames
-        counts = {"repeated": frames.repeated, "late": frames.late, "lost": frames.lost}
+        counts = {"repeated_frames": frames.repeated, "late_frames": frames.late}
+        counts["lost_frames"] = frames.lost
         reasons = {"fault": None if self.guard.fault is None else str(self.guard.fault)}
         link = {"bad_packets": self.link.bad, "link_problem": self.link.problem}
         limited = {"limited_commands": self.guard.commands.limited}

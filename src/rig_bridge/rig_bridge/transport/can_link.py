@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -16,6 +17,8 @@ from rig_bridge.transport.settings import CanSettings
 from steering_core.errors import BenchError
 
 Packet = TypeVar("Packet")
+# A frame cut in two by the TCP stream is put together again, and is not worth a line each.
+logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
 MOST_AT_ONCE = 1000
 """CAN frames taken in one go, so that a flooded bus cannot keep the loop from its tick."""
 
