@@ -95,12 +95,7 @@ def _source(
                 raise ValueError(f"effect {effect.name}: {unknown('slot', slot, slots)}")
     modules = sorted({inspect.getmodule(k).__name__ for e in active for k in _kernels(e)})  # type: ignore[union-attr]
     imports = "\n".join(f"import {module}" for module in modules)
-    bodies = [
-        _states(name, taken, active, signals, own)
-        if name in STATE_SLOTS
-        else _slot(name, taken, active, signals, own)
-        for name, taken in slots.items()
-    ]
+    bodies = [_slot(name, taken, active, signals, own) for name, taken in slots.items()]
     head = f'"""Slots of {", ".join(e.name for e in active)}; generated."""'
     return "\n\n\n".join(
         [f"{head}\n\n{imports}\nfrom steering_core.compiled import kernel", *bodies, ""]
@@ -118,30 +113,25 @@ def _slot(
     signals: Mapping[str, str],
     own: Mapping[str, Mapping[str, str]],
 ) -> str:
+    """Return the source of one slot: the effects' calls in turn on its value, or on the states."""
     known = _known(taken, signals)
-    lines = [
-        f"    value = {_call(effect, effect.slots[name], known | dict(own[effect.name]))}"
-        for effect in active
-        if name in effect.slots
-    ]
-    return "\n".join([_head(name, taken), *lines, "    return value"])
 
+    def call(effect: Effect, made: Kernel) -> str:
+        return _call(effect, made, known | dict(own[effect.name]))
 
-def _states(
-    name: str,
-    taken: list[str],
-    active: list[Effect],
-    signals: Mapping[str, str],
-    own: Mapping[str, Mapping[str, str]],
-) -> str:
-    known = _known(taken, signals)
-    lines = [
-        f"    {STATE_SLOTS[name]}{own[effect.name][state].removeprefix('y')} = "
-        f"{_call(effect, made.rate, known | dict(own[effect.name]))}"
-        for effect in active
-        for state, made in effect.states.items()
-    ]
-    return "\n".join([_head(name, taken), *(lines or ["    pass"])])
+    if name in STATE_SLOTS:
+        lines = [
+            f"    {STATE_SLOTS[name]}{own[effect.name][state].removeprefix('y')} = "
+            f"{call(effect, made.rate)}"
+            for effect in active
+            for state, made in effect.states.items()
+        ]
+        lines = lines or ["    pass"]
+    else:
+        changes = [e for e in active if name in e.slots]
+        lines = [f"    value = {call(effect, effect.slots[name])}" for effect in changes]
+        lines.append("    return value")
+    return "\n".join([_head(name, taken), *lines])
 
 
 def _known(taken: list[str], signals: Mapping[str, str]) -> dict[str, str]:
