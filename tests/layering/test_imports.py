@@ -10,6 +10,7 @@ import pytest
 SRC = Path(__file__).parents[2] / "src"
 PACKAGES = sorted(file.parent.name for file in SRC.glob("*/setup.py"))
 CORE = "steering_core"
+BELOW_STUDIES = set(PACKAGES) - {"steering_bringup", "steering_studies", "steering_diagnosis"}
 
 ALLOWED: dict[str, set[str]] = {
     "steering_core": set(),
@@ -19,7 +20,9 @@ ALLOWED: dict[str, set[str]] = {
     "driver_model": {CORE},
     "vehicle_model": {CORE, "steering_lockstep"},
     "rig_bridge": {CORE, "steering_lockstep"},
-    "steering_bringup": set(PACKAGES),
+    "steering_bringup": BELOW_STUDIES,
+    "steering_studies": BELOW_STUDIES | {"steering_bringup"},
+    "steering_diagnosis": BELOW_STUDIES | {"steering_bringup", "steering_studies"},
 }
 """Packages that a package's modules may import beside itself."""
 

@@ -24,6 +24,9 @@ COMMANDS = {
 }
 """Commands with their one line of help; the module of the same name implements each."""
 
+PACKAGES: dict[str, str] = {}
+"""Packages above this one whose ``cli`` folder holds the command's module; others are here."""
+
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 
 
@@ -91,8 +94,8 @@ def _parser(arguments: Sequence[str]) -> _Parser:
 
 
 def _import(command: str) -> Any:
-    module = {"list": "listing"}.get(command, command)
-    return import_module(f"steering_bringup.cli.{module}")
+    module = {"list": "listing"}.get(command, command.replace("-", "_"))
+    return import_module(f"{PACKAGES.get(command, 'steering_bringup')}.cli.{module}")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -141,4 +144,7 @@ OWN_PACKAGES = (
     "pressure_control",
     "driver_model",
     "vehicle_model",
+    "rig_bridge",
+    "steering_studies",
+    "steering_diagnosis",
 )

@@ -1,0 +1,1 @@
+"""Rig tests, identification, linear analysis, designs and reproduction of the source."""

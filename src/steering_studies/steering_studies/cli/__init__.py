@@ -1,0 +1,1 @@
+"""Commands of ``steer`` that this package brings, one a file."""
