@@ -1,0 +1,51 @@
+"""A record: measured channels on one uniform grid of 1 ms, as the diagnosis takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from steering_core.parameters import ParameterSet, load_parameters
+
+PERIOD_S = 1e-3
+
+
+@dataclass(frozen=True, repr=False)
+class Record:
+    """Channels of one experiment.
+
+    channels: name (data.channels) to (n,) float64, SI; NaN where there is no measurement. A channel
+    that was not measured at all is not there. nominal: the parameters that the nominal model is
+    taken with, before any effect (a bag's own settings of controller and vehicle included).
+    boost_table: of a measured boost curve, None for the formula. notes: what reading and aligning
+    found or changed, a sentence each. excluded: (n,) bool, samples not to be judged (saturated,
+    bridged gaps); None: all count. sha256: of the file or bag.
+    """
+
+    valve_system: Literal["open_centre", "closed_centre", "servo_valve"]
+    channels: Mapping[str, np.ndarray]
+    nominal: ParameterSet = field(default_factory=load_parameters)
+    boost_table: np.ndarray | None = None
+    excluded: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
+    name: str = "record"
+    path: Path | None = None
+    sha256: str = ""
+
+    def __len__(self) -> int:
+        return len(next(iter(self.channels.values()))) if self.channels else 0
+
+    def __contains__(self, channel: str) -> bool:
+        return channel in self.channels
+
+    def __getitem__(self, channel: str) -> np.ndarray:
+        return self.channels[channel]
+
+    @property
+    def time(self) -> np.ndarray:
+        """Seconds from the record's beginning, (n,)."""
+        return np.arange(len(self)) * PERIOD_S

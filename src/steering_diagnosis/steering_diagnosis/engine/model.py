@@ -1,0 +1,108 @@
+"""What the engine needs of a model: predicted channels, nuisance parameters, and hypotheses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Output:
+    """A predicted channel: residual = measured - predicted. balance: where its error enters."""
+
+    name: str
+    unit: str
+    balance: str
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """A nominal parameter that may differ within its tolerance.
+
+    tolerance: two standard deviations of one specimen, absolute [unit].
+    """
+
+    name: str
+    unit: str
+    nominal: float
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class HypothesisParameter:
+    """A parameter of a hypothesis, bounds and neutral value as in the effects' registry.
+
+    typical: a visible size. shape: it has no meaning at the other parameters' neutral values (a
+    gap, a delay, a Stribeck speed) and must be scanned. unit_step: a step for finite differences.
+    """
+
+    name: str
+    unit: str
+    neutral: float
+    low: float
+    high: float
+    typical: float
+    shape: bool = False
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """One physical cause.
+
+    balance: where it acts. competes: nuisances that express the same thing within tolerance; it is
+    named only beyond that. excitation: what a record needs to show it. summary: for the report.
+    separating: text of an experiment that tells it from what looks alike, where the effect knows.
+    """
+
+    name: str
+    summary: str
+    balance: str
+    parameters: tuple[HypothesisParameter, ...]
+    competes: tuple[str, ...] = ()
+    excitation: str = ""
+    separating: str = ""
+
+
+Effects = Mapping[str, Mapping[str, float]]
+"""Hypotheses that are on, with their parameters; absent ones are neutral."""
+
+
+class Replay(Protocol):
+    """A model bound to one record. Everything is on the record's grid, n samples.
+
+    ``residuals`` must be deterministic and cheap: the engine calls it some hundred times.
+    """
+
+    outputs: tuple[Output, ...]
+    nuisances: tuple[Nuisance, ...]
+    hypotheses: Mapping[str, Hypothesis]
+    period_s: float
+
+    def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
+        """Return measured minus predicted, (n, outputs), SI; NaN where nothing was measured.
+
+        nuisances: absolute values of those that differ from nominal.
+        """
+
+    def states(self) -> Mapping[str, np.ndarray]:
+        """Return the signals that a free-form term may depend on, name [unit] to (n,)."""
+
+
+@dataclass(frozen=True)
+class Undecidable:
+    """A hypothesis that this record cannot decide, and why."""
+
+    hypothesis: str
+    why: str
+
+
+@dataclass(frozen=True)
+class BoundModel:
+    """A replay with what a report must say of it before any inference."""
+
+    replay: Replay
+    undecidable: tuple[Undecidable, ...] = ()
+    notes: tuple[str, ...] = field(default=())
