@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from steering_core.parameters import load_parameters
-from steering_plant.model.mechanics import friction_rate, limited, rack_limit
+from steering_plant.model.friction import friction_rate, limited
+from steering_plant.model.mechanics import rack_limit
 from steering_plant.model.states import LEFT, RACK_FRICTION, RIGHT, VELOCITY
 from steering_plant.plant import Plant, plant_record
 

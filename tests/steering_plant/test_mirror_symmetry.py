@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from steering_core.parameters import load_parameters
 from steering_plant.boost_curve import FORMULA, boost_record, opening_areas, static_pressures
+from steering_plant.model import states
 from steering_plant.model.states import LEFT, LEFT_VALVE, RIGHT, RIGHT_VALVE
 from steering_plant.plant import Plant
 from steering_plant.rest import rest_solenoid_force
@@ -22,6 +23,14 @@ def mirrored(state):
     if len(state) == 15:
         other[LEFT_VALVE : LEFT_VALVE + 3] = state[RIGHT_VALVE : RIGHT_VALVE + 3]
         other[RIGHT_VALVE : RIGHT_VALVE + 3] = state[LEFT_VALVE : LEFT_VALVE + 3]
+    if len(state) >= 17:
+        left, right = states.LEFT_SERVO, states.RIGHT_SERVO
+        other[left : left + 4] = state[right : right + 4]
+        other[right : right + 4] = state[left : left + 4]
+    if len(state) > 17:
+        other[17:] = -state[17:]
+        pressures = 17 + states.LOAD_LEFT, 17 + states.LOAD_RIGHT
+        other[list(pressures)] = state[list(pressures[::-1])]
     return other
 
 
@@ -36,6 +45,21 @@ def test_mirrored_commands_give_the_mirrored_motion(system):
             left, right = idle + 6.0 * draw.normal(size=2)
         plant.step(tick, torque, left, right, load, 4e5, place)
         mirror.step(tick, -torque, right, left, -load, 4e5, -place)
+        assert np.array_equal(mirrored(plant.state), mirror.state)
+
+
+@pytest.mark.parametrize("load_cylinder", [False, True])
+def test_mirrored_servo_valves_give_the_mirrored_motion(load_cylinder):
+    plant, mirror = (
+        Plant(PARAMETERS, "servo_valve", load_cylinder=load_cylinder) for _ in range(2)
+    )
+    draw = np.random.default_rng(7)
+    for tick in range(2000):
+        if tick % 25 == 0:
+            torque, load, place = draw.normal(size=3) * (5.0, 1500.0, 1e-3)
+            left, right, valve = draw.normal(size=3) * (0.2, 0.2, 0.1)
+        plant.step(tick, torque, left, right, load, 4e5, place, valve)
+        mirror.step(tick, -torque, right, left, -load, 4e5, -place, -valve)
         assert np.array_equal(mirrored(plant.state), mirror.state)
 
 

@@ -14,34 +14,56 @@ from steering_plant.effects.models import NO_EFFECTS, plant_model
 from steering_plant.model import integrator, states
 from steering_plant.rest import rest_signals, rest_state
 
-VALVE_SYSTEMS = ("open_centre", "closed_centre")
+VALVE_SYSTEMS = ("open_centre", "closed_centre", "servo_valve")
+SERVO_FIELDS = {
+    "resonance": "resonance",
+    "damping": "damping",
+    "full_opening": "full_opening",
+    "bias": "bias_opening",
+    "stroke": "stroke",
+    "spool_mass": "spool_mass",
+}
+"""Fields of the record, after ``servo_``, by the data sheet's names of the servo valves."""
 GROUPS = ("mechanics", "oil", "open_centre", "pressure_control_valve", "simulation")
 
-TOLERANCES = {
-    "steering_wheel_angle": 1e-7,
-    "steering_wheel_speed": 1e-5,
-    "rack_position": 1e-9,
-    "rack_speed": 1e-6,
-    "column_friction": 1e-5,
-    "rack_friction": 1e-2,
-    "left_pressure": 50.0,
-    "right_pressure": 50.0,
-    "supply_energy": 1e9,
-    "pump_pressure": 50.0,
-    "left_spool": 1e-8,
-    "left_spool_speed": 1e-4,
-    "left_control_pressure": 200.0,
-    "right_spool": 1e-8,
-    "right_spool_speed": 1e-4,
-    "right_control_pressure": 200.0,
-}
+SERVO_SPOOLS = states.SERVO_VALVE_NAMES[states.LEFT_SERVO :]
+
+TOLERANCES = (
+    {
+        "steering_wheel_angle": 1e-7,
+        "steering_wheel_speed": 1e-5,
+        "rack_position": 1e-9,
+        "rack_speed": 1e-6,
+        "column_friction": 1e-5,
+        "rack_friction": 1e-2,
+        "left_pressure": 50.0,
+        "right_pressure": 50.0,
+        "supply_energy": 1e9,
+        "pump_pressure": 50.0,
+        "left_spool": 1e-8,
+        "left_spool_speed": 1e-4,
+        "left_control_pressure": 200.0,
+        "right_spool": 1e-8,
+        "right_spool_speed": 1e-4,
+        "right_control_pressure": 200.0,
+        "load_piston_position": 1e-10,
+        "load_piston_speed": 1e-6,
+        "load_piston_friction": 1e-2,
+        "load_left_pressure": 50.0,
+        "load_right_pressure": 50.0,
+        "load_spool": 1e-8,
+        "load_spool_speed": 1e-5,
+    }
+    | dict.fromkeys(SERVO_SPOOLS[::2], 1e-8)
+    | dict.fromkeys(SERVO_SPOOLS[1::2], 1e-5)
+)
 """Local error allowed in one inner step, by state, SI units (the energy is only accumulated)."""
 
 EFFECT_TOLERANCE = 1e-4
 
 MOST_FIXED_STEPS = 10_000
 
-LONGEST_STEP = {"open_centre": 1.001e-3, "closed_centre": 5.01e-4}
+LONGEST_STEP = {"open_centre": 1.001e-3, "closed_centre": 5.01e-4, "servo_valve": 5.01e-4}
 """Longest inner step [s]. The tolerances alone would pass over what the spools do within a tick."""
 
 
@@ -50,11 +72,12 @@ class PlantError(RuntimeError):
 
 
 class Plant:
-    """Steering wheel, torsion bar, rack and either hydraulic system, stepped once a tick.
+    """Steering wheel, torsion bar, rack and one of the hydraulic systems, stepped once a tick.
 
-    parameters: the parameter set. valve_system: ``open_centre`` or ``closed_centre``.
+    parameters: the parameter set. valve_system: a name of VALVE_SYSTEMS.
     boost_table: measured boost curve (measured_boost_curve) in place of the formula.
     effects: effects that are on, name to parameters; those not given are typical.
+    load_cylinder: whether the rig's load cylinder stands in for the ideal load force.
 
     At rest the rack stands in the middle, without load, at the pressures of the static map.
     ``out`` is the measurement of the present tick, shape (9,), order of sensors.CHANNELS;
@@ -67,18 +90,20 @@ class Plant:
         valve_system: str,
         boost_table: np.ndarray = boost_curve.FORMULA,
         effects: Mapping[str, Mapping[str, float]] = NO_EFFECTS,
+        load_cylinder: bool = False,
     ) -> None:
         if valve_system not in VALVE_SYSTEMS:
             raise ValueError(unknown("valve system", valve_system, VALVE_SYSTEMS))
         self.valve_system = valve_system
         self.model, added = plant_model(effects)
         parameters = parameters.with_values(added.sheet)
-        self.par = plant_record(parameters, valve_system, boost_table)
+        self.par = plant_record(parameters, valve_system, boost_table, load_cylinder)
         self.table = boost_table
         self.sensors = sensors.sensor_table(parameters)
         self.effects = added.values
-        self.names = state_names(valve_system)
-        raised = parameters["valve_controller.common_pressure_raise"]
+        self.names = state_names(valve_system, load_cylinder)
+        group = "servo_valve" if valve_system == "servo_valve" else "valve_controller"
+        raised = parameters[f"{group}.common_pressure_raise"]
         nominal = rest_state(self.par, self.table, raised)
         at_rest = rest_signals(self.par[0], self.names, nominal)
         rests = [at_rest[rest] if isinstance(rest, str) else rest for rest in added.rests]
@@ -136,9 +161,12 @@ class Plant:
         load_force: float,
         load_stiffness: float,
         load_position: float,
+        load_valve: float = 0.0,
     ) -> np.ndarray:
         """Integrate from ``tick`` to the next with held commands; return what is measured there.
 
+        With servo valves the solenoids' places take the commands of the chambers' valves, -1 to 1.
+        load_valve, -1 to 1: of the load cylinder, which has no use for the load's force.
         Raises PlantError where the state leaves what is possible.
         """
         status = self.model.plant_step(
@@ -150,6 +178,7 @@ class Plant:
             load_force,
             load_stiffness,
             load_position,
+            load_valve,
         )
         if status != integrator.OK:
             raise PlantError(failure_text(self, tick, status))
@@ -176,16 +205,26 @@ class Plant:
         return float(self.state[states.ENERGY])
 
 
-def state_names(valve_system: str) -> tuple[str, ...]:
+def state_names(valve_system: str, load_cylinder: bool = False) -> tuple[str, ...]:
     """Return the names of the nominal model's states in order."""
-    closed = valve_system == "closed_centre"
-    return states.CLOSED_CENTRE_NAMES if closed else states.OPEN_CENTRE_NAMES
+    names = {
+        "open_centre": states.OPEN_CENTRE_NAMES,
+        "closed_centre": states.CLOSED_CENTRE_NAMES,
+        "servo_valve": states.SERVO_VALVE_NAMES,
+    }[valve_system]
+    return (*names, *states.LOAD_CYLINDER_NAMES) if load_cylinder else names
 
 
 def plant_record(
-    parameters: ParameterSet, valve_system: str, boost_table: np.ndarray = boost_curve.FORMULA
+    parameters: ParameterSet,
+    valve_system: str,
+    boost_table: np.ndarray = boost_curve.FORMULA,
+    load_cylinder: bool = False,
 ) -> np.ndarray:
-    """Return the record, shape (1,), that the plant's kernels read, with derived constants."""
+    """Return the record, shape (1,), that the plant's kernels read, with derived constants.
+
+    load_cylinder in it is the position of the cylinder's first state, 0 without one.
+    """
     values: dict[str, float] = {}
     for group in GROUPS:
         values |= parameters.group(group)
@@ -195,25 +234,37 @@ def plant_record(
     values |= {
         "supply_pressure": parameters["closed_centre.supply_pressure"],
         "closed_centre": 1.0 if valve_system == "closed_centre" else 0.0,
-        "longest_step": LONGEST_STEP[valve_system],
+        "servo_valve": 1.0 if valve_system == "servo_valve" else 0.0,
+        "load_cylinder": float(len(state_names(valve_system))) if load_cylinder else 0.0,
+        "longest_step": LONGEST_STEP["servo_valve" if load_cylinder else valve_system],
         "orifice_constant": orifice_constant,
         "pressure_area": 0.25 * math.pi * values["pressure_area_diameter"] ** 2,
         "damping_orifice_conductance": orifice_constant * damping_area,
     }
-    check_geometry(values)
+    values |= {
+        f"servo_{name}": parameters[f"servo_valve.{full}"] for name, full in SERVO_FIELDS.items()
+    }
+    values |= {f"load_{name}": value for name, value in parameters.group("load_cylinder").items()}
+    check_geometry(values, load_cylinder)
     check_steps(values["inner_steps"])
     return record(values)
 
 
-def check_geometry(values: dict[str, float]) -> None:
+def check_geometry(values: dict[str, float], load_cylinder: bool) -> None:
     """Raise ValueError where the stroke is longer than the chambers are large."""
-    swept = values["piston_area"] * values["rack_stop_position"]
-    if swept >= values["chamber_volume"]:
-        raise ValueError(
-            f"open_centre.chamber_volume ({values['chamber_volume']:g} m3) must exceed "
-            f"mechanics.piston_area x mechanics.rack_stop_position ({swept:g} m3), "
-            "or a chamber would vanish at the end of the stroke"
-        )
+    chambers = {"open_centre.chamber_volume": "mechanics.piston_area"}
+    if load_cylinder:
+        chambers["load_cylinder.chamber_volume"] = "load_cylinder.piston_area"
+    for volume_name, area_name in chambers.items():
+        prefix = "load_" if area_name.startswith("load_") else ""
+        volume = values[f"{prefix}chamber_volume"]
+        swept = values[f"{prefix}piston_area"] * values["rack_stop_position"]
+        if swept >= volume:
+            raise ValueError(
+                f"{volume_name} ({volume:g} m3) must exceed "
+                f"{area_name} x mechanics.rack_stop_position ({swept:g} m3), "
+                "or a chamber would vanish at the end of the stroke"
+            )
 
 
 def check_steps(inner_steps: float) -> None:

@@ -12,25 +12,37 @@ from steering_plant.model.states import (
     CLOSED_CENTRE_SIZE,
     CONTROL,
     LEFT,
+    LEFT_SERVO,
     LEFT_VALVE,
+    LOAD_CYLINDER_NAMES,
+    LOAD_LEFT,
+    LOAD_RIGHT,
+    METER_IN,
+    METER_OUT,
     OPEN_CENTRE_SIZE,
     PUMP,
     RIGHT,
+    RIGHT_SERVO,
     RIGHT_VALVE,
+    SERVO_VALVE_SIZE,
     SPOOL,
 )
 from steering_plant.orifice import orifice_flow
 
 
 def rest_state(par: np.ndarray, table: np.ndarray, raised: float = 0.0) -> np.ndarray:
-    """Return the state at rest, shape (10,) open centre or (15,) closed centre.
+    """Return the state at rest: of open centre, closed centre or servo valves, and load cylinder.
 
-    raised: common pressure raise of the closed-centre controllers [Pa].
+    raised: common pressure raise of the pressure controllers [Pa].
     """
     p = par[0]
     if p["closed_centre"] > 0.0:
-        return _closed_centre(p, closed_centre_rest_pressure(par, table, raised))
-    return _open_centre(p, table)
+        state = _closed_centre(p, closed_centre_rest_pressure(par, table, raised))
+    elif p["servo_valve"] > 0.0:
+        state = _servo_valve(p, closed_centre_rest_pressure(par, table, raised))
+    else:
+        state = _open_centre(p, table)
+    return np.concatenate([state, _load_cylinder(p)]) if p["load_cylinder"] > 0.0 else state
 
 
 def closed_centre_rest_pressure(par: np.ndarray, table: np.ndarray, raised: float) -> float:
@@ -43,7 +55,7 @@ def closed_centre_rest_pressure(par: np.ndarray, table: np.ndarray, raised: floa
     if pressure >= supply:
         raise ParameterError(
             f"closed_centre.supply_pressure {supply:g} Pa must exceed the chambers' pressure at "
-            f"rest, {pressure:g} Pa, of which valve_controller.common_pressure_raise is {raised:g}"
+            f"rest, {pressure:g} Pa, of which the common pressure raise is {raised:g}"
         )
     return pressure
 
@@ -77,12 +89,42 @@ def rest_solenoid_force(p: np.void, pressure: float) -> float:
     return float(p["pressure_area"] * pressure + spring + flow_force)
 
 
+def rest_servo_command(p: np.void, pressure: float) -> float:
+    """Return the command, a share of the stroke, that holds ``pressure`` [Pa] without load flow.
+
+    bias + c passes from the supply what bias - c passes to the tank.
+    """
+    transition = p["laminar_transition_pressure"]
+    inward = orifice_flow(1.0, p["supply_pressure"] - pressure, transition)
+    outward = orifice_flow(1.0, pressure, transition)
+    return float(p["servo_bias"] * (outward - inward) / (outward + inward))
+
+
 def rest_signals(p: np.void, names: tuple[str, ...], state: np.ndarray) -> dict[str, float]:
-    """Return what effects' states can be equal to at rest: the states and the solenoids' forces."""
+    """Return what effects' states can be equal to at rest: the states and the valves' commands."""
     signals = dict(zip(names, state.tolist(), strict=True))
-    closed = p["closed_centre"] > 0.0
-    force = rest_solenoid_force(p, state[LEFT]) if closed else 0.0
+    force = 0.0
+    if p["closed_centre"] > 0.0:
+        force = rest_solenoid_force(p, state[LEFT])
+    elif p["servo_valve"] > 0.0:
+        force = rest_servo_command(p, state[LEFT])
     return signals | {"left_solenoid": force, "right_solenoid": force}
+
+
+def _servo_valve(p: np.void, pressure: float) -> np.ndarray:
+    state = np.zeros(SERVO_VALVE_SIZE)
+    state[[LEFT, RIGHT]] = pressure
+    command = rest_servo_command(p, pressure)
+    for first in (LEFT_SERVO, RIGHT_SERVO):
+        state[first + METER_IN] = p["servo_stroke"] * (p["servo_bias"] + command)
+        state[first + METER_OUT] = p["servo_stroke"] * (p["servo_bias"] - command)
+    return state
+
+
+def _load_cylinder(p: np.void) -> np.ndarray:
+    state = np.zeros(len(LOAD_CYLINDER_NAMES))
+    state[[LOAD_LEFT, LOAD_RIGHT]] = 0.5 * p["load_supply_pressure"]
+    return state
 
 
 def _closed_centre(p: np.void, pressure: float) -> np.ndarray:

@@ -227,7 +227,7 @@ def run_ticks(
             at = row - delays[PLANT_LOAD_DELAY]
             force, stiffness, position = load[at, 0], load[at, 1], load[at, 2]
             status = plant_step(  # type: ignore[call-arg]
-                *plant, tick, command, left_force, right_force, force, stiffness, position
+                *plant, tick, command, left_force, right_force, force, stiffness, position, 0.0
             )
             if status != 0:
                 return status, tick

@@ -17,6 +17,7 @@ NO_EFFECTS: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
 
 PLANT_SIGNALS = (
     {name: f"y[{i}]" for i, name in enumerate(states.OPEN_CENTRE_NAMES)}
+    | {name: f"y[{i}]" for i, name in enumerate(states.SERVO_VALVE_NAMES)}
     | {name: f"y[{i}]" for i, name in enumerate(states.CLOSED_CENTRE_NAMES)}
     | {name: f"u[{i}]" for i, name in enumerate(states.INPUT_NAMES)}
 )

@@ -1,17 +1,22 @@
-"""The plant's right-hand side: mechanics with either hydraulic system, and the effects' states."""
+"""The plant's right-hand side: mechanics, one of the hydraulic systems, load, effects' states."""
 
 from __future__ import annotations
 
 from steering_core.compiled import kernel
 
-from . import mechanics, slots
+from . import load_cylinder, mechanics, slots
 from .closed_centre import closed_centre_rates
+from .friction import limited
 from .open_centre import open_centre_rates
+from .servo_valve import servo_valve_rates
 from .states import (
     COLUMN_FRICTION,
     CONTROL,
     LEFT,
     LEFT_VALVE,
+    LOAD_LEFT,
+    LOAD_RIGHT,
+    PISTON_FRICTION,
     PUMP,
     RACK_FRICTION,
     RIGHT,
@@ -30,8 +35,12 @@ def rates(p, table, e, time, y, u, dy, flows):
     mechanics.mechanical_rates(p, y, dy, u, torque, e)
     if p.closed_centre > 0.0:
         closed_centre_rates(p, time, y, dy, u, flows, e)
+    elif p.servo_valve > 0.0:
+        servo_valve_rates(p, time, y, dy, u, flows, e)
     else:
         open_centre_rates(p, table, time, y, dy, torque, flows, e)
+    if p.load_cylinder > 0.0:
+        load_cylinder.load_cylinder_rates(p, y, dy, u, e)
     slots.effect_rates(time, y, dy, u, e)
 
 
@@ -42,8 +51,11 @@ def settle(p, e, y):
     Called after every inner step: a chamber pressure that fell has lowered the rack's limit.
     """
     column, rack = mechanics.column_limit(p, y, e), mechanics.rack_limit(p, y, e)
-    y[COLUMN_FRICTION] = mechanics.limited(y[COLUMN_FRICTION], column)
-    y[RACK_FRICTION] = mechanics.limited(y[RACK_FRICTION], rack)
+    y[COLUMN_FRICTION] = limited(y[COLUMN_FRICTION], column)
+    y[RACK_FRICTION] = limited(y[RACK_FRICTION], rack)
+    if p.load_cylinder > 0.0:
+        first = int(p.load_cylinder) + PISTON_FRICTION
+        y[first] = limited(y[first], load_cylinder.piston_limit(p, y, e))
 
 
 @kernel
@@ -55,6 +67,10 @@ def possible(p, y):
     vacuum = -p.atmospheric_pressure
     if not (total < 1e15 and y[LEFT] > vacuum and y[RIGHT] > vacuum):
         return False
+    if p.load_cylinder > 0.0:
+        first = int(p.load_cylinder)
+        if not (y[first + LOAD_LEFT] > vacuum and y[first + LOAD_RIGHT] > vacuum):
+            return False
     if p.closed_centre > 0.0:
         return y[LEFT_VALVE + CONTROL] > vacuum and y[RIGHT_VALVE + CONTROL] > vacuum
-    return y[PUMP] > vacuum
+    return p.servo_valve > 0.0 or y[PUMP] > vacuum

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from steering_core.compiled import kernel
 
-from . import slots
+from . import load_cylinder, slots
+from .friction import friction_rate, limited
 from .states import (
     ANGLE,
     COLUMN_FRICTION,
@@ -19,22 +20,6 @@ from .states import (
     SPEED,
     VELOCITY,
 )
-
-
-@kernel
-def friction_rate(force, limit, velocity, displacement):
-    """Return dF/dt of the exponential spring with limited force (after Pfeffer, fig 4.2).
-
-    dF/dt = v (limit - F sign(v))/displacement: F tends to +-limit exponentially in displacement.
-    Any unit of force and the matching ones of velocity and displacement.
-    """
-    return (limit * velocity - force * abs(velocity)) / displacement
-
-
-@kernel
-def limited(force, limit):
-    """Return ``force`` within +-limit: a falling limit releases the spring, never loads it."""
-    return min(max(force, -limit), limit)
 
 
 @kernel
@@ -60,9 +45,12 @@ def torsion_bar_torque(p, y, e):
 
 
 @kernel
-def load(u, y, e):
-    """Return the rack force [N]: force + stiffness (x - position it belongs to)."""
-    nominal = u[LOAD_FORCE] + u[LOAD_STIFFNESS] * (y[POSITION] - u[LOAD_POSITION])
+def load(p, u, y, e):
+    """Return the rack force [N]: force + stiffness (x - its position), or the load cylinder's."""
+    if p.load_cylinder > 0.0:
+        nominal = load_cylinder.cell_force(p, y)
+    else:
+        nominal = u[LOAD_FORCE] + u[LOAD_STIFFNESS] * (y[POSITION] - u[LOAD_POSITION])
     return slots.load_force(nominal, y[POSITION], y[VELOCITY], y, e)
 
 
@@ -89,7 +77,7 @@ def mechanical_rates(p, y, dy, u, torque, e):
 
     resisting = p.steering_wheel_damping * speed + column_force
     resisting += slots.column_torque(0.0, y[ANGLE], speed, y, e)
-    opposing = p.rack_damping * velocity + rack_force + load(u, y, e)
+    opposing = p.rack_damping * velocity + rack_force + load(p, u, y, e)
     opposing += stop_force(p, position, velocity)
     opposing += slots.rack_force(0.0, position, velocity, left, right, y, e)
     assistance = (right - left) * p.piston_area

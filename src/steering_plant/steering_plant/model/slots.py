@@ -97,19 +97,19 @@ def pump_flow(value, time, y, e):
 
 @kernel
 def supply_pressure(value, time, y, e):
-    """Pressure of the closed-centre system's supply [Pa]."""
+    """Pressure of the supply of control or servo valves [Pa]."""
     return value
 
 
 @kernel
 def spool_opening(value, y, e):
-    """Displacement that uncovers the supply edge [m] of a pressure control valve's spool."""
+    """Displacement that uncovers the supply edge of a control valve or a servo valve's edge [m]."""
     return value
 
 
 @kernel
 def spool_force(value, spool, speed, y, e):
-    """Resisting force on a pressure control valve's spool beside the modelled ones [N]."""
+    """Resisting force on a control or servo valve's spool beside the modelled ones [N]."""
     return value
 
 
@@ -122,6 +122,12 @@ def left_solenoid(value, y, e):
 @kernel
 def right_solenoid(value, y, e):
     """Force of the right valve's solenoid [N]; the value is the command."""
+    return value
+
+
+@kernel
+def load_cylinder_friction_limit(value, speed, y, e):
+    """Limit of the load cylinder's friction element [N] at its piston's speed [m/s]."""
     return value
 
 

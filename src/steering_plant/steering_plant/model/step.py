@@ -15,16 +15,20 @@ from .states import (
     ENERGY,
     LEFT,
     LEFT_FLOW,
+    LEFT_SERVO,
     LEFT_SOLENOID,
     LEFT_VALVE,
     LOAD_FORCE,
     LOAD_POSITION,
     LOAD_STIFFNESS,
+    LOAD_VALVE,
+    METER_IN,
     POSITION,
     PUMP,
     RACK_FRICTION,
     RIGHT,
     RIGHT_FLOW,
+    RIGHT_SERVO,
     RIGHT_SOLENOID,
     RIGHT_VALVE,
     SPEED,
@@ -47,12 +51,12 @@ def observe(par, sensors, e, tick, y, u, history, true, out):
     true[0], true[1] = y[ANGLE], y[SPEED]
     true[2] = mechanics.torsion_bar_torque(p, y, e)
     true[3], true[4] = y[LEFT], y[RIGHT]
-    if p.closed_centre > 0.0:
+    if p.closed_centre > 0.0 or p.servo_valve > 0.0:
         true[5] = slots.supply_pressure(p.supply_pressure, tick * TICK, y, e)
     else:
         true[5] = y[PUMP]
     true[6], true[7] = y[POSITION], y[VELOCITY]
-    true[8] = mechanics.load(u, y, e)
+    true[8] = mechanics.load(p, u, y, e)
     measure(sensors, p.noise_seed, history, tick, true, out)
 
 
@@ -62,8 +66,11 @@ def report_truth(par, table, e, tick, y, u, work, flows, truth):
     p = par[0]
     rates(p, table, e, tick * TICK, y, u, work[0], flows)
     truth[0], truth[1] = y[COLUMN_FRICTION], y[RACK_FRICTION]
-    truth[2] = y[LEFT_VALVE + SPOOL] if p.closed_centre > 0.0 else 0.0
-    truth[3] = y[RIGHT_VALVE + SPOOL] if p.closed_centre > 0.0 else 0.0
+    truth[2], truth[3] = 0.0, 0.0
+    if p.closed_centre > 0.0:
+        truth[2], truth[3] = y[LEFT_VALVE + SPOOL], y[RIGHT_VALVE + SPOOL]
+    elif p.servo_valve > 0.0:
+        truth[2], truth[3] = y[LEFT_SERVO + METER_IN], y[RIGHT_SERVO + METER_IN]
     truth[4], truth[5] = flows[LEFT_FLOW], flows[RIGHT_FLOW]
     truth[6], truth[7] = flows[SUPPLY_FLOW], y[ENERGY]
 
@@ -90,6 +97,7 @@ def plant_step(
     load_force,
     load_stiffness,
     load_position,
+    load_valve,
 ):
     """Integrate from ``tick`` to the next with the tick's commands and measure there.
 
@@ -98,6 +106,7 @@ def plant_step(
     u[DRIVER_TORQUE] = driver_torque
     u[LEFT_SOLENOID], u[RIGHT_SOLENOID] = left_solenoid, right_solenoid
     u[LOAD_FORCE], u[LOAD_STIFFNESS], u[LOAD_POSITION] = load_force, load_stiffness, load_position
+    u[LOAD_VALVE] = load_valve
     status = advance(par[0], table, e, scale, tick * TICK, TICK, y, step, u, work, flows)
     if status == 0:
         observe(par, sensors, e, tick + 1, y, u, history, true, out)

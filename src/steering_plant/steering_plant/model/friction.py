@@ -1,0 +1,21 @@
+"""The friction element: an exponential spring with limited force and hysteresis."""
+
+from __future__ import annotations
+
+from steering_core.compiled import kernel
+
+
+@kernel
+def friction_rate(force, limit, velocity, displacement):
+    """Return dF/dt of the exponential spring with limited force (after Pfeffer, fig 4.2).
+
+    dF/dt = v (limit - F sign(v))/displacement: F tends to +-limit exponentially in displacement.
+    Any unit of force and the matching ones of velocity and displacement.
+    """
+    return (limit * velocity - force * abs(velocity)) / displacement
+
+
+@kernel
+def limited(force, limit):
+    """Return ``force`` within +-limit: a falling limit releases the spring, never loads it."""
+    return min(max(force, -limit), limit)
