@@ -14,8 +14,8 @@ def vehicle(kind: str, ticks: int = 100, **values) -> Vehicle:
     return Vehicle(NOMINAL, make_load(kind, **values), ticks)
 
 
-def test_the_registry_holds_the_four_kinds_under_their_names():
-    assert set(LOADS) == {"bicycle", "dry_park", "none", "table"}
+def test_the_registry_holds_the_kinds_under_their_names():
+    assert set(LOADS) == {"bicycle", "dry_park", "none", "table", "clamp", "position_servo"}
     for kind, made in LOADS.items():
         assert made.kind == kind
         assert (made.__doc__ or "").strip()
@@ -30,6 +30,19 @@ def test_dry_park_is_a_spring_handed_over_whole():
     v.step(1, -0.004, 0.0, 0.0)
     assert v.out[0] == -force
     assert v.odometry().v_x == 0.0
+
+
+def test_a_clamp_pushes_back_wherever_the_rack_goes():
+    v = vehicle("clamp", stiffness_n_m=1e9)
+    assert v.step(0, 1e-6, 0.0, 0.0).tolist() == [1e3, 1e9, 1e-6]
+
+
+def test_a_position_servo_asks_for_no_force_where_the_rack_follows_its_sine():
+    v = vehicle("position_servo", ticks=8000, amplitude_m=0.004, angular_frequency_rad_s=0.5)
+    wanted = 0.004 * np.sin(0.5 * 1e-3 * np.arange(8000))
+    forces = np.array([v.step(tick, wanted[tick], 0.0, 0.0)[0] for tick in range(8000)])
+    assert np.max(np.abs(forces[2000:])) < 1e-6
+    assert v.step(8000, 0.0, 0.0, 0.0)[0] == pytest.approx(-2e6 * 0.004 * np.sin(4.0), rel=1e-3)
 
 
 def test_no_load_is_exactly_nothing():
@@ -81,6 +94,8 @@ def test_faults_in_a_file_are_named(tmp_path, text, message):
 
 
 WRONG = [
+    ("clamp", {"stiffness_n_m": -1.0}, "clamp: stiffness_n_m"),
+    ("position_servo", {"amplitude_m": float("nan")}, "position_servo: every value"),
     ("bycicle", {}, "unknown load 'bycicle'; did you mean 'bicycle'"),
     ("dry_park", {"stiffness": 1.0}, "dry_park: unknown field 'stiffness'"),
     ("table", {"time_s": (0.0, 1.0), "rack_force_n": (0.0,)}, "2 times for 1 forces"),

@@ -12,11 +12,15 @@ from typing import Any
 from steering_core.naming import unknown
 from vehicle_model.loads.base import Load, LoadError
 from vehicle_model.loads.bicycle import Bicycle
+from vehicle_model.loads.clamp import Clamp
 from vehicle_model.loads.dry_park import DryPark
 from vehicle_model.loads.none import NoLoad
+from vehicle_model.loads.position_servo import PositionServo
 from vehicle_model.loads.table import Table, load_table
 
-LOADS: dict[str, type[Load]] = {made.kind: made for made in (Bicycle, DryPark, NoLoad, Table)}
+LOADS: dict[str, type[Load]] = {
+    made.kind: made for made in (Bicycle, DryPark, NoLoad, Table, Clamp, PositionServo)
+}
 
 __all__ = ["LOADS", "Load", "LoadError", "load_table", "make_load"]
 
