@@ -37,7 +37,18 @@ MORE: dict[str, set[str]] = {
 ROS_MODULES = {
     f"steering_lockstep.{name}"
     for name in ("diagnostics", "endpoints", "node", "spinner", "standalone", "worker")
-} | {"steering_bringup.playback.publishers", "steering_bringup.cli.play"}
+}
+ROS_MODULES |= {"steering_bringup.playback.publishers", "steering_bringup.cli.play"}
+ROS_MODULES |= {
+    f"steering_bringup.{name}"
+    for name in (
+        "check_node.link",
+        "check_node.member",
+        "check_node.case",
+        "check_node.checking",
+        "cli.check_node",
+    )
+}
 """Modules that stand on rclpy beside the nodes, whose names end with ``_node``."""
 
 ROS_PACKAGES = {

@@ -15,6 +15,7 @@ from typing import Any
 COMMANDS = {
     "run": "run a scenario through the ROS graph (or --direct), record and compare",
     "play": "publish a bag on ROS topics, at any rate",
+    "check-node": "check an overlay node: feed it the bench, inject faults, give a verdict",
     "compare": "compare two bags on one HTML page",
     "list": "list scenarios, node sets, manoeuvres, loads, effects and parameters",
     "repeat": "repeat the run that a bag records and check that it is the same, bit for bit",
