@@ -1,4 +1,4 @@
-"""A rig's file: its channel table, link, and how it is watched."""
+"""A rig's file: its channel table, links, and how it is watched."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from pydantic import Field, ValidationError, model_validator
 from rig_bridge.channels import Channel
 from rig_bridge.relations import RatePair, Relation
 from rig_bridge.signals import COMMANDED, MEASURED, UNITS
+from rig_bridge.transport.settings import Links
 from rig_bridge.watching import Watching
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
-from steering_core.strict import Strict, check_keys, fault
+from steering_core.strict import Number, Strict, check_keys, fault
 from steering_core.validation import explain
 from steering_core.yaml_lines import read_yaml
 
 LOAD_REFERENCE = "load_reference"
+SHIPPED = Path(__file__).resolve().parent / "rigs"
 
 
 class RigFile(Strict):
@@ -27,7 +29,23 @@ class RigFile(Strict):
     schema_version: Literal[1] = Field(1, alias="schema", description="version of this schema")
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
     description: str = ""
+    valve_system: Literal["open_centre", "closed_centre", "servo_valve"] = Field(
+        "closed_centre", description="node sets of this valve system fit the rig"
+    )
     dbc: str | None = Field(None, description="DBC file of the CAN link, beside this file")
+    link: Literal["udp", "can"] = Field("udp", description="link that is used unless told other")
+    links: Links = Field({}, validate_default=True, description="where the rig is on each link")
+    emulator: str | None = Field(
+        None,
+        description="file of the emulated rig, beside this one: a run starts it on this machine; "
+        "without it the rig is hardware",
+    )
+    delay: Annotated[int, Field(strict=True, ge=0, le=20)] = Field(
+        0, description="ticks by which a command acts later than in simulation"
+    )
+    parameters: dict[str, Number] = Field(
+        {}, description="data-sheet values for the bench's nodes where the scenario gives none"
+    )
     watching: Watching = Field({}, validate_default=True, description="when the rig is made safe")
     channels: dict[str, Channel]
     relations: dict[str, Relation] = Field({}, description="what signals must agree on")
@@ -78,7 +96,7 @@ def _check_channel(name: str, channel: Channel) -> None:
 
 
 def _check_sides(channels: dict[str, Channel]) -> None:
-    """A rig takes the same kind of command for both chambers."""
+    """A rig takes the same kind of command for both chambers, or none for either."""
     kinds = [
         {
             name.removeprefix(side)
@@ -87,9 +105,8 @@ def _check_sides(channels: dict[str, Channel]) -> None:
         }
         for side in ("left_", "right_")
     ]
-    if kinds[0] != kinds[1] or not kinds[0]:
-        listed = "left_* and right_* commands must be the same kinds, and at least one"
-        raise fault("channels", listed)
+    if kinds[0] != kinds[1]:
+        raise fault("channels", "left_* and right_* commands must be the same kinds")
 
 
 def load_rig(path: str | Path) -> RigFile:
@@ -102,3 +119,25 @@ def load_rig(path: str | Path) -> RigFile:
         return RigFile.model_validate(data)
     except ValidationError as error:
         raise BenchError(explain(error, document)) from None
+
+
+def shipped_rigs() -> dict[str, Path]:
+    """Return name to file of the rigs that come with the bench."""
+    return {
+        path.stem: path
+        for path in sorted(SHIPPED.glob("*.yaml"))
+        if "channels" in (read_yaml(path).data or {})
+    }
+
+
+def find_rig(name: str) -> Path:
+    """Return the file of a shipped rig's name or of a path; BenchError suggests the nearest."""
+    path = Path(name)
+    if path.suffix in (".yaml", ".yml") or path.is_file():
+        if not path.is_file():
+            raise BenchError(f"there is no rig's file '{name}'")
+        return path
+    known = shipped_rigs()
+    if name not in known:
+        raise BenchError(f"{unknown('rig', name, known)} (or give a .yaml file)")
+    return known[name]

@@ -23,11 +23,32 @@ COMMANDED = {
     "load_stiffness": "N/m",
     "load_position": "m",
 }
-"""Fields of /driver/torque, /valve/left|right/command and /vehicle/rack_force that a rig may take.
+"""What a rig may take; its channel table lists those that it does take.
 
-A rig's table lists those that it takes: a rig with a hand on the wheel takes no driver torque, one
-with its own pressure control takes reference pressures in place of solenoid forces.
+A rig with a hand on the wheel takes no driver torque, one with its own pressure control takes
+reference pressures in place of solenoid forces.
 """
+
+PLACES = {
+    "steering_wheel_angle": ("/steering/torque", "steering_wheel_angle"),
+    "steering_wheel_speed": ("/steering/torque", "steering_wheel_speed"),
+    "torsion_bar_torque": ("/steering/torque", "torsion_bar_torque"),
+    "left_pressure": ("/steering/pressure", "left"),
+    "right_pressure": ("/steering/pressure", "right"),
+    "supply_pressure": ("/steering/pressure", "supply"),
+    "rack_position": ("/steering/rack", "position"),
+    "rack_speed": ("/steering/rack", "speed"),
+    "rack_force": ("/steering/rack", "force"),
+    "driver_torque": ("/driver/torque", "torque"),
+    "left_reference_pressure": ("/valve/left/command", "reference_pressure"),
+    "left_solenoid_force": ("/valve/left/command", "solenoid_force"),
+    "right_reference_pressure": ("/valve/right/command", "reference_pressure"),
+    "right_solenoid_force": ("/valve/right/command", "solenoid_force"),
+    "load_force": ("/vehicle/rack_force", "force"),
+    "load_stiffness": ("/vehicle/rack_force", "stiffness"),
+    "load_position": ("/vehicle/rack_force", "position"),
+}
+"""Topic and field of each signal. A signal of a new topic is a line here and one above."""
 
 UNITS = MEASURED | COMMANDED
 

@@ -12,14 +12,17 @@ Endpoint = Annotated[str, Field(pattern=r"^[^:]+:\d{1,5}$")]
 
 
 class UdpSettings(Strict):
-    """Addresses HOST:PORT of the bench's and of the rig's end."""
+    """Addresses HOST:PORT of the bench's and of the rig's end; port 0: a free one, if emulated."""
 
     bench: Endpoint = "127.0.0.1:47010"
     rig: Endpoint = "127.0.0.1:47011"
 
 
 class CanSettings(Strict):
-    """How python-can opens the bus; ``host`` and ``port`` for socketcand only."""
+    """How python-can opens the bus; ``host`` and ``port`` for socketcand only.
+
+    An emulated rig's socketcand bus is served by the run itself, on port 0 on any free one.
+    """
 
     interface: str = Field("socketcan", description="python-can's name of the interface")
     channel: str = "can0"
@@ -32,6 +35,13 @@ class CanSettings(Strict):
         if self.interface == "socketcand":
             options |= {"host": self.host, "port": self.port, "tcp_tune": True}
         return options
+
+
+class Links(Strict):
+    """Where a rig is on each link that it has."""
+
+    udp: UdpSettings = Field({}, validate_default=True)
+    can: CanSettings = Field({}, validate_default=True)
 
 
 def address(endpoint: str) -> tuple[str, int]:
