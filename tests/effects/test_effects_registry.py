@@ -11,31 +11,75 @@ from closed_loop import Effects, cores, trace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from steering_bringup.direct.runner import DirectTrace, run
 from steering_core.parameters import load_parameters
 from steering_plant.effects import EFFECTS
-from steering_plant.effects.base import arguments
+from steering_plant.effects.base import BALANCES, VALVE_SYSTEMS, Parameter, arguments
+from steering_plant.effects.models import all_effects, plant_model
 from steering_plant.plant import Plant
+from steering_plant.rest import rest_servo_command, rest_solenoid_force
 
-NEUTRAL = {name: effect.neutral() for name, effect in EFFECTS.items()}
+IN_PLANT = [name for name, effect in EFFECTS.items() if effect.acts_in == "plant"]
 
-SYSTEMS = ("open_centre", "closed_centre")
+LOOPS = ("open_centre", "closed_centre")
+
+UNDRIVEN = {"rack_end_stop"}
+"""What a weave on-centre cannot show."""
 
 
-@pytest.mark.parametrize("valve_system", SYSTEMS)
-def test_neutral_effects_reproduce_the_nominal_model_to_the_bit(valve_system: str) -> None:
-    nominal, neutral = trace({}, valve_system), trace(NEUTRAL, valve_system)
-    for topic, values in nominal.topics().items():
+@pytest.fixture(scope="module")
+def nominal() -> dict[str, DirectTrace]:
+    return {valve_system: trace({}, valve_system) for valve_system in LOOPS}
+
+
+def servo_valve_run(effects: Effects) -> np.ndarray:
+    """Return what a plant with servo valves measures, turned to and fro and its valves with it."""
+    plant = Plant(load_parameters(), "servo_valve", effects=effects)
+    rest = rest_servo_command(plant.par[0], plant.state[6])
+    rows = []
+    for tick in range(400):
+        swing = math.sin(0.015 * tick)
+        left, right = rest - 0.02 * swing, rest + 0.02 * swing
+        rows.append(plant.step(tick, 2.0 * swing, left, right, 0.0, 3e5, 0.0).copy())
+    return np.array(rows)
+
+
+def test_neutral_effects_reproduce_nominal_servo_valves_to_the_bit() -> None:
+    nominal, neutral = servo_valve_run({}), servo_valve_run(all_effects("servo_valve"))
+    assert nominal.tobytes() == neutral.tobytes()
+
+
+@pytest.mark.parametrize("valve_system", LOOPS)
+def test_neutral_effects_reproduce_the_nominal_model_to_the_bit(
+    valve_system: str, nominal: dict[str, DirectTrace]
+) -> None:
+    neutral = trace(all_effects(valve_system), valve_system)
+    for topic, values in nominal[valve_system].topics().items():
         assert values.tobytes() == neutral.topics()[topic].tobytes(), topic
 
 
-@pytest.mark.parametrize("name", EFFECTS)
-def test_a_typical_effect_shows(name: str) -> None:
-    nominal, changed = trace({}, "closed_centre"), trace({name: {}}, "closed_centre")
-    difference = max(
-        float(np.max(np.abs(values - changed.topics()[topic])))
-        for topic, values in nominal.topics().items()
-    )
-    assert difference > 1e-6
+def test_neutral_tyres_reproduce_the_nominal_vehicle_to_the_bit(
+    nominal: dict[str, DirectTrace],
+) -> None:
+    neutral = trace({"tyre_relaxation": EFFECTS["tyre_relaxation"].neutral()}, "open_centre")
+    assert neutral.load.tobytes() == nominal["open_centre"].load.tobytes()
+
+
+@pytest.mark.parametrize("name", [name for name in IN_PLANT if name not in UNDRIVEN])
+def test_a_typical_effect_shows(name: str, nominal: dict[str, DirectTrace]) -> None:
+    effect = EFFECTS[name]
+    typical = {name: effect.values({})}
+    for valve_system in effect.valve_systems:
+        if valve_system == "servo_valve":
+            servo = servo_valve_run(all_effects(valve_system, typical))
+            assert np.max(np.abs(servo - servo_valve_run({}))) > 1e-6
+            continue
+        changed = trace(all_effects(valve_system, typical), valve_system).topics()
+        difference = max(
+            float(np.max(np.abs(values - changed[topic])))
+            for topic, values in nominal[valve_system].topics().items()
+        )
+        assert difference > 1e-6, valve_system
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -43,21 +87,42 @@ def test_an_effect_says_what_it_is(name: str) -> None:
     effect = EFFECTS[name]
     assert effect.name == name
     assert re.fullmatch(r"[a-z]+(_[a-z]+)*", name)
-    for text in (effect.summary, effect.sees, effect.equation, effect.source, effect.balance):
+    for text in (effect.summary, effect.sees, effect.equation, effect.source, effect.excitation):
         assert len(text) > 3
-    assert effect.parameters
+    assert set(effect.balances) <= set(BALANCES)
+    assert set(effect.competes) <= set(load_parameters())
+    assert effect.valve_systems
+    assert set(effect.valve_systems) <= set(VALVE_SYSTEMS)
     for parameter in effect.parameters.values():
         assert parameter.unit
         assert parameter.low <= parameter.neutral <= parameter.high
         assert parameter.low <= parameter.typical <= parameter.high
-    assert any(p.typical != p.neutral for p in effect.parameters.values())
+        assert set(parameter.valve_systems) <= set(effect.valve_systems)
+    for valve_system in effect.valve_systems:
+        acting = effect.acting(valve_system).values()
+        assert any(p.typical != p.neutral for p in acting), valve_system
 
 
 @pytest.mark.parametrize("name", [n for n, e in EFFECTS.items() if e.sets])
-def test_what_an_effect_sets_is_on_the_data_sheet_and_neutral_is_its_value(name: str) -> None:
+def test_what_an_effect_changes_is_on_the_data_sheet_and_neutral_changes_nothing(name: str) -> None:
     sheet = load_parameters()
-    for parameter, full_name in EFFECTS[name].sets.items():
-        assert sheet[full_name] == EFFECTS[name].parameters[parameter].neutral
+    for parameter, change in EFFECTS[name].sets.items():
+        neutral = EFFECTS[name].parameters[parameter].neutral
+        assert neutral == change.neutral
+        for full in change.names:
+            assert change.applied(sheet[full], neutral) == sheet[full]
+
+
+def test_the_model_of_all_effects_says_where_each_parameter_and_state_is() -> None:
+    for valve_system in VALVE_SYSTEMS:
+        typical = {name: EFFECTS[name].values({}) for name in all_effects(valve_system)}
+        module, added = plant_model(typical, valve_system)
+        assert module is plant_model(all_effects(valve_system), valve_system)[0]
+        for (effect, parameter), position in added.positions.items():
+            assert added.values[position] == typical[effect][parameter]
+        in_slots = [n for n in typical if EFFECTS[n].slots]
+        assert len(added.positions) == sum(len(EFFECTS[n].parameters) for n in in_slots)
+        assert sorted(added.states.values()) == list(range(-len(added.rests), 0))
 
 
 TAKEN_POWER = {
@@ -65,54 +130,86 @@ TAKEN_POWER = {
     "right_flow": lambda s, added: -s["right"] * added,
     "rack_force": lambda s, added: s["velocity"] * added,
     "column_torque": lambda s, added: s["speed"] * added,
-    "spool_force": lambda s, added: s["speed"] * added,
+    "load_force": lambda s, added: s["velocity"] * added,
 }
 """Power [W] that an effect takes out of the model through what it adds in a slot."""
 
-CONSERVATIVE = {"bulk_modulus"}
-"""Slots with a function of one pressure alone, which gives back in a cycle what it took."""
+CONSERVATIVE = {"bulk_modulus", "torsion_torque"}
+"""Slots with a function of one coordinate alone, which gives back in a cycle what it took."""
+
+THROTTLES = {"valve_torque", "valve_overlap", "flow_coefficient", "spool_opening"}
+"""Slots that open and close orifices: any opening loses pressure in the direction of the flow."""
+
+STORED = {"left_volume", "right_volume"}
+"""Slots that make a spring longer or shorter by a constant."""
+
+FRICTION = {
+    "rack_friction_limit",
+    "rack_friction_offset",
+    "column_friction_limit",
+    "load_cylinder_friction_limit",
+}
+"""Slots of friction elements: passive where the band of the force holds zero, tested below."""
+
+BEHIND_A_STATE = {"left_spool_force", "right_spool_force", "load_force", "supply_pressure"}
+"""Slots of effects whose force or pressure is a state of its own: see test_effects_physics."""
+
+SIGNALS = {
+    "left": st.floats(-1e5, 2e7),
+    "right": st.floats(-1e5, 2e7),
+    "velocity": st.floats(-1, 1),
+    "speed": st.floats(-20, 20),
+    "position": st.floats(-0.1, 0.1),
+    "angle": st.floats(-10, 10),
+}
 
 
-@given(
-    st.fixed_dictionaries(
-        {
-            "left": st.floats(-1e5, 2e7),
-            "right": st.floats(-1e5, 2e7),
-            "velocity": st.floats(-1, 1),
-            "speed": st.floats(-20, 20),
-            "position": st.floats(-0.1, 0.1),
-            "angle": st.floats(-10, 10),
-            "spool": st.floats(-1e-3, 1e-3),
-        }
-    )
-)
+def drawn(name: str, parameter: Parameter) -> st.SearchStrategy[float]:
+    return st.floats(parameter.low, parameter.high)
+
+
+PARAMETERS = {
+    (name, parameter): drawn(parameter, p)
+    for name, effect in EFFECTS.items()
+    for parameter, p in effect.parameters.items()
+}
+
+
+@given(st.fixed_dictionaries(SIGNALS), st.fixed_dictionaries(PARAMETERS))
 @settings(max_examples=200, deadline=None)
-def test_an_effect_that_is_no_source_never_adds_power(signals: dict[str, float]) -> None:
+def test_an_effect_that_is_no_source_never_adds_power(
+    signals: dict[str, float], values: dict[tuple[str, str], float]
+) -> None:
+    known = CONSERVATIVE | THROTTLES | STORED | FRICTION | BEHIND_A_STATE | TAKEN_POWER.keys()
     for effect in EFFECTS.values():
-        if effect.adds_energy:
+        if effect.adds_energy or effect.acts_in != "plant":
             continue
-        known = signals | {n: p.typical for n, p in effect.parameters.items()}
+        given_values = {n: values[effect.name, n] for n in effect.parameters}
         power = 0.0
         for slot, made in effect.slots.items():
-            assert slot in TAKEN_POWER or slot in CONSERVATIVE, f"{effect.name}: judge {slot}"
-            if slot in TAKEN_POWER:
-                added = made(*(0.0 if a == "value" else known[a] for a in arguments(made)))
+            assert slot in known, f"{effect.name}: judge {slot}"
+            if slot in TAKEN_POWER and not effect.states:
+                own = signals | given_values
+                added = made(*(0.0 if a == "value" else own[a] for a in arguments(made)))
                 power += TAKEN_POWER[slot](signals, added)
         assert power >= 0.0, effect.name
 
 
-@pytest.mark.parametrize("valve_system", SYSTEMS)
-def test_effects_start_at_rest(valve_system: str) -> None:
-    """With every effect on, nothing moves until the driver does."""
-    typical: Effects = {name: {} for name, effect in EFFECTS.items() if not effect.sets}
-    made = cores(typical, valve_system, 10)
-    plant = made.plant
-    start = plant.state.copy()
-    left, right = (0.0 if c is None else float(c.out[1]) for c in (made.left, made.right))
-    plant.step(0, 0.0, left, right, 0.0, 0.0, 0.0)
-    moved = np.abs(plant.state[:8] - start[:8])
-    assert np.all(moved[:4] < 1e-9)
-    assert np.all(moved[6:8] < 1e3)
+@pytest.mark.parametrize("valve_system", LOOPS)
+def test_with_every_effect_on_the_loop_comes_to_rest(valve_system: str) -> None:
+    """Nobody at the wheel, no load: what starts out of balance settles and stays."""
+    typical: Effects = {
+        name: {}
+        for name in all_effects(valve_system)
+        if not (EFFECTS[name].adds_energy or "sensor" in EFFECTS[name].balance)
+    }
+    plant = cores(typical, valve_system, 1).plant
+    held = 0.0
+    if valve_system == "closed_centre":
+        held = rest_solenoid_force(plant.par[0], plant.state[6])
+    for tick in range(1500):
+        plant.step(tick, 0.0, held, held, 0.0, 0.0, 0.0)
+    assert abs(plant.state[3]) < 1e-3
 
 
 def test_an_unknown_effect_is_named_with_the_nearest() -> None:
@@ -129,3 +226,14 @@ def test_an_unknown_parameter_is_named_with_the_nearest() -> None:
 def test_a_value_out_of_bounds_is_refused(value: float) -> None:
     with pytest.raises(ValueError, match=r"entrained_air\.air_fraction must be between"):
         EFFECTS["entrained_air"].values({"air_fraction": value})
+
+
+def test_the_runs_of_the_module_of_all_effects_are_its_own() -> None:
+    """Values are read at each run: two plants of one module differ by their effects alone."""
+    made = [
+        cores(all_effects("open_centre", values), "open_centre", 100)
+        for values in ({}, {"boost_curve_offset": {"offset": 0.2}})
+    ]
+    assert made[0].plant.model is made[1].plant.model
+    first, second = (run(c, 100).pressure for c in made)
+    assert not np.array_equal(first, second)

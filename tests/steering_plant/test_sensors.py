@@ -1,4 +1,4 @@
-"""Gain, offset, noise, resolution and delay of the measured channels."""
+"""Gain, offset, noise, resolution, delay and lag of the measured channels."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 
 from steering_core.parameters import ParameterError, load_parameters
 from steering_plant.plant import Plant
-from steering_plant.sensors import CHANNELS, LONGEST_DELAY, measure, normal, sensor_table
+from steering_plant.sensors import (
+    CHANNELS,
+    HISTORY_ROWS,
+    LONGEST_DELAY,
+    measure,
+    normal,
+    sensor_table,
+)
 
 PARAMETERS = load_parameters()
 
@@ -15,7 +22,7 @@ PARAMETERS = load_parameters()
 def measured(changes, true, ticks=None):
     """Return what the sensors report of ``true``, rows by tick."""
     sensors = sensor_table(PARAMETERS.with_values(changes))
-    history, out = np.zeros((LONGEST_DELAY, len(CHANNELS))), np.zeros(len(CHANNELS))
+    history, out = np.zeros((HISTORY_ROWS, len(CHANNELS))), np.zeros(len(CHANNELS))
     rows = []
     for tick in range(ticks or len(true)):
         measure(sensors, PARAMETERS["simulation.noise_seed"], history, tick, true[tick], out)
@@ -57,10 +64,32 @@ def test_a_delay_shifts_and_holds_the_first_value(ticks, signal):
     assert np.array_equal(reported[:, 4], signal[:, 4])
 
 
-@pytest.mark.parametrize("delay", [0.0005, LONGEST_DELAY * 1e-3])
-def test_an_impossible_delay_is_refused(delay):
-    changed = PARAMETERS.with_values({"rack_force_sensor.delay": delay})
-    with pytest.raises(ParameterError, match=r"rack_force_sensor\.delay must be a whole number"):
+@given(st.floats(0.0, LONGEST_DELAY * 1e-3 - 1e-3))
+def test_a_delay_within_a_tick_is_linear_between_samples(delay):
+    ramp = np.tile(np.arange(100.0)[:, None], (1, len(CHANNELS)))
+    reported = measured({"left_pressure_sensor.delay": delay}, ramp)[:, 3]
+    assert reported == pytest.approx(np.maximum(ramp[:, 3] - 1e3 * delay, 0.0), abs=1e-5)
+
+
+@pytest.mark.parametrize("lag", [2e-4, 1e-3, 7.3e-3])
+def test_a_lag_answers_a_ramp_and_a_sine_as_a_first_order_filter(lag):
+    """Closed forms of tau y' = x - y; the sine of 5 Hz is nearly linear within a tick."""
+    t = np.arange(400) * 1e-3
+    omega = 2.0 * np.pi * 5.0
+    true = np.zeros((len(t), len(CHANNELS)))
+    true[:, 3], true[:, 4] = t, np.sin(omega * t)
+    changes = {"left_pressure_sensor.lag": lag, "right_pressure_sensor.lag": lag}
+    reported = measured(changes, true)
+    ramp = t - lag * (1.0 - np.exp(-t / lag))
+    phase = np.arctan(omega * lag)
+    sine = np.cos(phase) * (np.sin(omega * t - phase) + np.sin(phase) * np.exp(-t / lag))
+    assert reported[:, 3] == pytest.approx(ramp, abs=1e-12)
+    assert reported[:, 4] == pytest.approx(sine, abs=2e-4)
+
+
+def test_a_delay_beyond_the_history_is_refused():
+    changed = PARAMETERS.with_values({"rack_force_sensor.delay": LONGEST_DELAY * 1e-3})
+    with pytest.raises(ParameterError, match=r"rack_force_sensor\.delay must be at most 63 ms"):
         sensor_table(changed)
 
 

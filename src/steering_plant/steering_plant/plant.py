@@ -10,11 +10,11 @@ import numpy as np
 from steering_core.naming import unknown
 from steering_core.parameters import ParameterSet, record
 from steering_plant import boost_curve, sensors
-from steering_plant.effects.models import NO_EFFECTS, plant_model
+from steering_plant.effects.base import VALVE_SYSTEMS
+from steering_plant.effects.models import NO_EFFECTS, STATE_NAMES, plant_model
 from steering_plant.model import integrator, states
 from steering_plant.rest import rest_signals, rest_state
 
-VALVE_SYSTEMS = ("open_centre", "closed_centre", "servo_valve")
 SERVO_FIELDS = {
     "resonance": "resonance",
     "damping": "damping",
@@ -59,8 +59,6 @@ TOLERANCES = (
 )
 """Local error allowed in one inner step, by state, SI units (the energy is only accumulated)."""
 
-EFFECT_TOLERANCE = 1e-4
-
 MOST_FIXED_STEPS = 10_000
 
 LONGEST_STEP = {"open_centre": 1.001e-3, "closed_centre": 5.01e-4, "servo_valve": 5.01e-4}
@@ -95,8 +93,9 @@ class Plant:
         if valve_system not in VALVE_SYSTEMS:
             raise ValueError(unknown("valve system", valve_system, VALVE_SYSTEMS))
         self.valve_system = valve_system
-        self.model, added = plant_model(effects)
-        parameters = parameters.with_values(added.sheet)
+        self.model, added = plant_model(effects, valve_system)
+        known = plant_record(parameters, valve_system, boost_table, load_cylinder)
+        parameters = added.changed(parameters, valve_system)
         self.par = plant_record(parameters, valve_system, boost_table, load_cylinder)
         self.table = boost_table
         self.sensors = sensors.sensor_table(parameters)
@@ -104,17 +103,17 @@ class Plant:
         self.names = state_names(valve_system, load_cylinder)
         group = "servo_valve" if valve_system == "servo_valve" else "valve_controller"
         raised = parameters[f"{group}.common_pressure_raise"]
-        nominal = rest_state(self.par, self.table, raised)
+        nominal = rest_state(self.par, self.table, raised, known)
         at_rest = rest_signals(self.par[0], self.names, nominal)
         rests = [at_rest[rest] if isinstance(rest, str) else rest for rest in added.rests]
         self.state = np.concatenate([nominal, rests])
-        allowed = [TOLERANCES[name] for name in self.names] + [EFFECT_TOLERANCE] * len(rests)
-        self.scale = np.array(allowed) * parameters["simulation.tolerance"]
+        allowed = [TOLERANCES[name] for name in self.names]
+        self.scale = np.array([*allowed, *added.tolerances]) * parameters["simulation.tolerance"]
         self.inner_step = np.array([1e-4])
         self.inputs = np.zeros(states.INPUTS)
         self.work = np.zeros((integrator.WORK_ROWS, len(self.state)))
         self.flows = np.zeros(states.FLOWS)
-        self.history = np.zeros((sensors.LONGEST_DELAY, len(sensors.CHANNELS)))
+        self.history = np.zeros((sensors.HISTORY_ROWS, len(sensors.CHANNELS)))
         self.true = np.zeros(len(sensors.CHANNELS))
         self.out = np.zeros(len(sensors.CHANNELS))
         self.observe(0)
@@ -207,11 +206,7 @@ class Plant:
 
 def state_names(valve_system: str, load_cylinder: bool = False) -> tuple[str, ...]:
     """Return the names of the nominal model's states in order."""
-    names = {
-        "open_centre": states.OPEN_CENTRE_NAMES,
-        "closed_centre": states.CLOSED_CENTRE_NAMES,
-        "servo_valve": states.SERVO_VALVE_NAMES,
-    }[valve_system]
+    names = STATE_NAMES[valve_system]
     return (*names, *states.LOAD_CYLINDER_NAMES) if load_cylinder else names
 
 

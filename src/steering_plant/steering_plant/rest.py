@@ -30,16 +30,20 @@ from steering_plant.model.states import (
 from steering_plant.orifice import orifice_flow
 
 
-def rest_state(par: np.ndarray, table: np.ndarray, raised: float = 0.0) -> np.ndarray:
+def rest_state(
+    par: np.ndarray, table: np.ndarray, raised: float = 0.0, known: np.ndarray | None = None
+) -> np.ndarray:
     """Return the state at rest: of open centre, closed centre or servo valves, and load cylinder.
 
-    raised: common pressure raise of the pressure controllers [Pa].
+    raised: common pressure raise of the pressure controllers [Pa]. known: the record that these
+    controllers hold the plant to be, where effects have changed it.
     """
     p = par[0]
+    controlled = par if known is None else known
     if p["closed_centre"] > 0.0:
-        state = _closed_centre(p, closed_centre_rest_pressure(par, table, raised))
+        state = _closed_centre(p, closed_centre_rest_pressure(controlled, table, raised))
     elif p["servo_valve"] > 0.0:
-        state = _servo_valve(p, closed_centre_rest_pressure(par, table, raised))
+        state = _servo_valve(p, closed_centre_rest_pressure(controlled, table, raised))
     else:
         state = _open_centre(p, table)
     return np.concatenate([state, _load_cylinder(p)]) if p["load_cylinder"] > 0.0 else state

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from steering_core.naming import unknown
+from steering_core.parameters import ParameterSet
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import Effect, Kernel, arguments
 
-STATE_SLOTS = {"effect_rates": "dy", "next_states": "y"}
+STATE_SLOTS = {"effect_rates": "dy", "sampled_states": "y", "next_states": "y"}
 """Slots that move the effects' states, with the array that takes the result."""
 
 
@@ -23,14 +24,29 @@ class Composition:
     """What chosen effects add to one model.
 
     slots: source of the slots module, empty where no effect acts in a slot. values: parameters of
-    the effects that act in slots, shape (n,), float64. rests: of the added states, in order.
-    sheet: data sheet parameters that effects set.
+    the effects that act in slots, shape (n,), float64. rests, tolerances: of the added states, in
+    order. positions: of (effect, parameter) in ``values``. states: of (effect, state) in the state
+    vector, from its end. chosen: all parameters of the effects of this model.
     """
 
     slots: str
     values: np.ndarray
     rests: tuple[float | str, ...]
-    sheet: Mapping[str, float]
+    tolerances: tuple[float, ...]
+    positions: Mapping[tuple[str, str], int]
+    states: Mapping[tuple[str, str], int]
+    chosen: Mapping[str, Mapping[str, float]]
+
+    def changed(self, parameters: ParameterSet, valve_system: str) -> ParameterSet:
+        """Return the data sheet as the effects that act in ``valve_system`` change it."""
+        changes: dict[str, float] = {}
+        for name, values in self.chosen.items():
+            for parameter in EFFECTS[name].acting(valve_system).keys() & EFFECTS[name].sets.keys():
+                change = EFFECTS[name].sets[parameter]
+                for full in change.names:
+                    value = changes.get(full, parameters[full])
+                    changes[full] = change.applied(value, values[parameter])
+        return parameters.with_values(changes)
 
 
 def chosen(effects: Mapping[str, Mapping[str, Any]], acts_in: str) -> dict[str, dict[str, float]]:
@@ -57,25 +73,25 @@ def compose(
     the slot's own arguments, with the expressions that stand for them (``y[2]``).
     """
     active = [EFFECTS[name] for name in effects if EFFECTS[name].slots]
-    values: list[float] = []
-    rests = [state.rest for effect in active for state in effect.states.values()]
-    own: dict[str, dict[str, str]] = {}
-    position = -len(rests)
-    for effect in active:
-        own[effect.name] = {}
-        for parameter in effect.parameters:
-            own[effect.name][parameter] = f"e[{len(values)}]"
-            values.append(effects[effect.name][parameter])
-        for state in effect.states:
-            own[effect.name][state] = f"y[{position}]"
-            position += 1
-    sheet = {
-        full: effects[name][parameter]
-        for name in effects
-        for parameter, full in EFFECTS[name].sets.items()
-    }
-    source = _source(active, nominal, signals, own) if active else ""
-    return Composition(source, np.array(values, dtype=np.float64), tuple(rests), sheet)
+    parameters = [(effect.name, name) for effect in active for name in effect.parameters]
+    states = [(effect.name, name) for effect in active for name in effect.states]
+    added = [EFFECTS[effect].states[name] for effect, name in states]
+    positions = {key: position for position, key in enumerate(parameters)}
+    places = {key: position - len(states) for position, key in enumerate(states)}
+    own: dict[str, dict[str, str]] = {effect.name: {} for effect in active}
+    for (effect, name), position in positions.items():
+        own[effect][name] = f"e[{position}]"
+    for (effect, name), position in places.items():
+        own[effect][name] = f"y[{position}]"
+    return Composition(
+        slots=_source(active, nominal, signals, own) if active else "",
+        values=np.array([effects[effect][name] for effect, name in parameters], dtype=np.float64),
+        rests=tuple(state.rest for state in added),
+        tolerances=tuple(state.tolerance for state in added),
+        positions=positions,
+        states=places,
+        chosen=effects,
+    )
 
 
 def _source(
@@ -125,7 +141,15 @@ def _slot(
             f"{call(effect, made.rate)}"
             for effect in active
             for state, made in effect.states.items()
+            if made.sampled == (name == "sampled_states")
         ]
+        if name == "effect_rates":
+            lines += [
+                f"    dy{own[effect.name][state].removeprefix('y')} = 0.0"
+                for effect in active
+                for state, made in effect.states.items()
+                if made.sampled
+            ]
         lines = lines or ["    pass"]
     else:
         changes = [e for e in active if name in e.slots]

@@ -24,8 +24,10 @@ EFFECT = Effect(
     sees="held load pressure costs supply flow; the rack creeps; pressure peaks are lower",
     equation="q = c (p_right - p_left), laminar, out of one chamber and into the other",
     source="H. E. Merritt, Hydraulic Control Systems (1967), section 6-1",
-    balance="chamber continuity",
+    balance="left chamber continuity",
+    also=("right chamber continuity",),
     excitation="load pressure above 20 bar, or a held load",
+    separating="hold the rack under load to the left, then to the right, 20 to 80 bar",
     parameters={"leakage": Parameter("laminar conductance", "m3/(s Pa)", 0, 0, 1e-11, 1e-12)},
     slots={"left_flow": left_flow, "right_flow": right_flow},
 )

@@ -10,24 +10,58 @@ from typing import Any
 import numpy as np
 
 from steering_core.specialise import specialised_package
+from steering_plant.effects import EFFECTS
 from steering_plant.effects.compose import Composition, chosen, compose
 from steering_plant.model import slots, states, step
 
 NO_EFFECTS: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
 
-PLANT_SIGNALS = (
-    {name: f"y[{i}]" for i, name in enumerate(states.OPEN_CENTRE_NAMES)}
-    | {name: f"y[{i}]" for i, name in enumerate(states.SERVO_VALVE_NAMES)}
-    | {name: f"y[{i}]" for i, name in enumerate(states.CLOSED_CENTRE_NAMES)}
-    | {name: f"u[{i}]" for i, name in enumerate(states.INPUT_NAMES)}
-)
-"""States and held inputs that an effect in the plant may ask for, by name."""
+STATE_NAMES = {
+    "open_centre": states.OPEN_CENTRE_NAMES,
+    "closed_centre": states.CLOSED_CENTRE_NAMES,
+    "servo_valve": states.SERVO_VALVE_NAMES,
+}
 
 
-def plant_model(effects: Mapping[str, Mapping[str, Any]]) -> tuple[ModuleType, Composition]:
-    """Return the plant's step module with ``effects`` and what they add to data and state."""
-    added = compose(chosen(effects, "plant"), slots, PLANT_SIGNALS)
+def plant_signals(valve_system: str) -> dict[str, str]:
+    """Return the states, held inputs and flows that an effect in the plant may ask for, by name."""
+    return (
+        {name: f"y[{i}]" for i, name in enumerate(STATE_NAMES[valve_system])}
+        | {name: f"u[{i}]" for i, name in enumerate(states.INPUT_NAMES)}
+        | {name: f"flows[{i}]" for i, name in enumerate(states.FLOW_NAMES)}
+    )
+
+
+def plant_model(
+    effects: Mapping[str, Mapping[str, Any]], valve_system: str
+) -> tuple[ModuleType, Composition]:
+    """Return the plant's step module with ``effects`` and what they add to data and state.
+
+    Effects that do not act in ``valve_system`` are left out.
+    """
+    active = {
+        name: values
+        for name, values in chosen(effects, "plant").items()
+        if valve_system in EFFECTS[name].valve_systems
+    }
+    added = compose(active, slots, plant_signals(valve_system))
     return _with_slots(step, added.slots), added
+
+
+def all_effects(
+    valve_system: str, given: Mapping[str, Mapping[str, float]] = NO_EFFECTS
+) -> dict[str, dict[str, float]]:
+    """Return every effect of the plant: those ``given`` with their values, the others neutral.
+
+    A plant with these effects is of the one model that holds them all, so that another choice
+    costs no compilation: ``plant_model(all_effects(valve_system), valve_system)`` says where in its
+    vectors each parameter and state is (``Composition.positions`` and ``states``).
+    """
+    return {
+        name: effect.neutral() | dict(given.get(name, {}))
+        for name, effect in EFFECTS.items()
+        if effect.acts_in == "plant" and valve_system in effect.valve_systems
+    }
 
 
 def vehicle_model(

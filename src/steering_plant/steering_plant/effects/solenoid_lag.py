@@ -37,6 +37,7 @@ EFFECT = Effect(
     equation="tau F' = F_command - F",
     source="outlook of the source, chapters 9 and 11: a solenoid adds a time lag",
     balance="valve spool",
+    valve_systems=("closed_centre",),
     excitation="commands that change within a few milliseconds",
     parameters={"time_constant": Parameter("of the lag", "s", 0, 0, 0.02, 0.001)},
     slots={"left_solenoid": left_solenoid_force, "right_solenoid": right_solenoid_force},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from steering_plant.effects.base import Effect, Parameter
+from steering_plant.effects.base import Effect, Parameter, factor_of
 
 EFFECT = Effect(
     name="torque_sensor_gain",
@@ -12,6 +12,7 @@ EFFECT = Effect(
     source="sensor data sheets state a gain error of 1 to 3 %",
     balance="torque sensor",
     excitation="torsion-bar torque above 1 N m",
+    separating="turn the wheel against a blocked rack; compare torque with twist and with pressure",
     parameters={"gain": Parameter("measured over true torque", "1", 1, 0.5, 1.5, 1.05)},
-    sets={"gain": "torque_sensor.gain"},
+    sets={"gain": factor_of("torque_sensor.gain")},
 )

@@ -34,7 +34,7 @@ EFFECT = Effect(
     sees="rack force and yaw rate late behind the rack; the more, the lower the speed",
     equation="(sigma/u) F' + F = F_steady",
     source="H. B. Pacejka, Tyre and Vehicle Dynamics, chapter 1: first-order relaxation",
-    balance="tyre",
+    balance="load",
     excitation="steering above 1 Hz, or speeds below 40 km/h",
     parameters={"relaxation_length": Parameter("rolled distance to 63 %", "m", 0, 0, 2, 0.4)},
     acts_in="vehicle",

@@ -37,12 +37,13 @@ def spool_stop_force(p, spool, speed):
 
 
 @kernel
-def valve_rates(p, y, dy, first, chamber_pressure, supply, force, e):
+def valve_rates(p, y, dy, first, chamber_pressure, supply, force, resisting, e):
     """Fill the rates of one valve's spool and control chamber; return its flows.
 
-    first: position of the valve's states. force: of the solenoid [N]. Returns (flow from the
-    supply, flow into the chamber) [m3/s]. Equations 5.1 to 5.7 with the signs of docs/equations:
-    each edge's flow force closes it, the control chamber shrinks as the supply edge opens.
+    first: position of the valve's states. force: of the solenoid [N]. resisting: further force on
+    the spool [N]. Returns (flow from the supply, flow into the chamber) [m3/s]. Equations 5.1 to
+    5.7 with the signs of docs/equations: each edge's flow force closes it, the control chamber
+    shrinks as the supply edge opens.
     """
     spool, speed, control = y[first + SPOOL], y[first + SPOOL_SPEED], y[first + CONTROL]
     opening = slots.spool_opening(spool, y, e)
@@ -67,7 +68,7 @@ def valve_rates(p, y, dy, first, chamber_pressure, supply, force, e):
     flow_force = jet * (supply_area * abs(drop) - tank_area * abs(chamber_pressure))
     opposing = p.pressure_area * control + p.spring_preload + p.spring_stiffness * spool
     opposing += p.spool_damping * speed + flow_force + spool_stop_force(p, spool, speed)
-    opposing += slots.spool_force(0.0, spool, speed, y, e)
+    opposing += resisting
 
     dy[first + SPOOL] = speed
     dy[first + SPOOL_SPEED] = (force - opposing) / p.spool_mass
@@ -83,8 +84,14 @@ def closed_centre_rates(p, time, y, dy, u, flows, e):
     supply = slots.supply_pressure(p.supply_pressure, time, y, e)
     left_force = slots.left_solenoid(u[LEFT_SOLENOID], y, e)
     right_force = slots.right_solenoid(u[RIGHT_SOLENOID], y, e)
-    left_drawn, left_net = valve_rates(p, y, dy, LEFT_VALVE, left, supply, left_force, e)
-    right_drawn, right_net = valve_rates(p, y, dy, RIGHT_VALVE, right, supply, right_force, e)
+    left_spool, left_speed = y[LEFT_VALVE + SPOOL], y[LEFT_VALVE + SPOOL_SPEED]
+    right_spool, right_speed = y[RIGHT_VALVE + SPOOL], y[RIGHT_VALVE + SPOOL_SPEED]
+    on_left = slots.left_spool_force(0.0, left_spool, left_speed, y, e)
+    on_right = slots.right_spool_force(0.0, right_spool, right_speed, y, e)
+    left_drawn, left_net = valve_rates(p, y, dy, LEFT_VALVE, left, supply, left_force, on_left, e)
+    right_drawn, right_net = valve_rates(
+        p, y, dy, RIGHT_VALVE, right, supply, right_force, on_right, e
+    )
     left_net = slots.left_flow(left_net, left, right, y, e)
     right_net = slots.right_flow(right_net, left, right, y, e)
     stroke = p.piston_area * y[VELOCITY]

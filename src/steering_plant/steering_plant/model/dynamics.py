@@ -41,7 +41,7 @@ def rates(p, table, e, time, y, u, dy, flows):
         open_centre_rates(p, table, time, y, dy, torque, flows, e)
     if p.load_cylinder > 0.0:
         load_cylinder.load_cylinder_rates(p, y, dy, u, e)
-    slots.effect_rates(time, y, dy, u, e)
+    slots.effect_rates(time, y, dy, u, flows, e)
 
 
 @kernel
@@ -52,7 +52,8 @@ def settle(p, e, y):
     """
     column, rack = mechanics.column_limit(p, y, e), mechanics.rack_limit(p, y, e)
     y[COLUMN_FRICTION] = limited(y[COLUMN_FRICTION], column)
-    y[RACK_FRICTION] = limited(y[RACK_FRICTION], rack)
+    offset = mechanics.rack_offset(y, e)
+    y[RACK_FRICTION] = limited(y[RACK_FRICTION] - offset, rack) + offset
     if p.load_cylinder > 0.0:
         first = int(p.load_cylinder) + PISTON_FRICTION
         y[first] = limited(y[first], load_cylinder.piston_limit(p, y, e))

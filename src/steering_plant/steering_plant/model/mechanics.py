@@ -38,6 +38,12 @@ def rack_limit(p, y, e):
 
 
 @kernel
+def rack_offset(y, e):
+    """Return the middle of the rack friction's band [N]: not 0 where directions differ."""
+    return slots.rack_friction_offset(0.0, y[POSITION], y[VELOCITY], y[LEFT], y[RIGHT], y, e)
+
+
+@kernel
 def torsion_bar_torque(p, y, e):
     """Return T = K_T (theta_sw - R_T x) [N m]."""
     twist = y[ANGLE] - p.gear_ratio * y[POSITION]
@@ -48,9 +54,8 @@ def torsion_bar_torque(p, y, e):
 def load(p, u, y, e):
     """Return the rack force [N]: force + stiffness (x - its position), or the load cylinder's."""
     if p.load_cylinder > 0.0:
-        nominal = load_cylinder.cell_force(p, y)
-    else:
-        nominal = u[LOAD_FORCE] + u[LOAD_STIFFNESS] * (y[POSITION] - u[LOAD_POSITION])
+        return load_cylinder.cell_force(p, y)
+    nominal = u[LOAD_FORCE] + u[LOAD_STIFFNESS] * (y[POSITION] - u[LOAD_POSITION])
     return slots.load_force(nominal, y[POSITION], y[VELOCITY], y, e)
 
 
@@ -73,11 +78,12 @@ def mechanical_rates(p, y, dy, u, torque, e):
     column = column_limit(p, y, e)
     rack = rack_limit(p, y, e)
     column_force = limited(y[COLUMN_FRICTION], column)
-    rack_force = limited(y[RACK_FRICTION], rack)
+    offset = rack_offset(y, e)
+    rack_friction = limited(y[RACK_FRICTION] - offset, rack)
 
     resisting = p.steering_wheel_damping * speed + column_force
     resisting += slots.column_torque(0.0, y[ANGLE], speed, y, e)
-    opposing = p.rack_damping * velocity + rack_force + load(p, u, y, e)
+    opposing = p.rack_damping * velocity + (rack_friction + offset) + load(p, u, y, e)
     opposing += stop_force(p, position, velocity)
     opposing += slots.rack_force(0.0, position, velocity, left, right, y, e)
     assistance = (right - left) * p.piston_area
@@ -87,4 +93,4 @@ def mechanical_rates(p, y, dy, u, torque, e):
     dy[POSITION] = velocity
     dy[VELOCITY] = (assistance + torque * p.gear_ratio - opposing) / p.rack_mass
     dy[COLUMN_FRICTION] = friction_rate(column_force, column, speed, p.column_friction_angle)
-    dy[RACK_FRICTION] = friction_rate(rack_force, rack, velocity, p.rack_friction_displacement)
+    dy[RACK_FRICTION] = friction_rate(rack_friction, rack, velocity, p.rack_friction_displacement)

@@ -26,6 +26,17 @@ def relief_flow(p, pump):
 
 
 @kernel
+def bridge_areas(p, table, torque, y, e):
+    """Return the bridge's areas (A1, A2) [m2]: with overlap each edge is where it closes sooner."""
+    overlap = slots.valve_overlap(0.0, y, e)
+    if overlap == 0.0:
+        return opening_areas(p, table, torque)
+    a1, _ = opening_areas(p, table, torque - overlap)
+    _, a2 = opening_areas(p, table, torque + overlap)
+    return a1, a2
+
+
+@kernel
 def open_centre_rates(p, table, time, y, dy, torque, flows, e):
     """Fill the rates of the chambers, the pump line and the supplied energy.
 
@@ -33,7 +44,7 @@ def open_centre_rates(p, table, time, y, dy, torque, flows, e):
     to tank through A2; the areas follow the torsion-bar torque [N m].
     """
     left, right, pump = y[LEFT], y[RIGHT], y[PUMP]
-    a1, a2 = opening_areas(p, table, slots.valve_torque(torque, y, e))
+    a1, a2 = bridge_areas(p, table, slots.valve_torque(torque, y, e), y, e)
     coefficient = slots.flow_coefficient(p.orifice_constant, y, e)
     g1, g2 = coefficient * a1, coefficient * a2
     transition = p.laminar_transition_pressure

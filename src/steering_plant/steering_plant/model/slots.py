@@ -42,14 +42,26 @@ def rack_friction_limit(value, position, velocity, left, right, y, e):
 
 
 @kernel
+def rack_friction_offset(value, position, velocity, left, right, y, e):
+    """Middle of the band of the rack's friction element [N], nominally 0."""
+    return value
+
+
+@kernel
 def load_force(value, position, velocity, y, e):
-    """Force of the road or load cylinder on the rack [N]; positive opposes positive motion."""
+    """Force of the ideal load on the rack [N]; positive opposes positive motion."""
     return value
 
 
 @kernel
 def valve_torque(value, y, e):
     """Torsion-bar torque as the open-centre valve sees it [N m]."""
+    return value
+
+
+@kernel
+def valve_overlap(value, y, e):
+    """Torque by which each edge of the open-centre valve closes earlier [N m], nominally 0."""
     return value
 
 
@@ -109,19 +121,43 @@ def spool_opening(value, y, e):
 
 @kernel
 def spool_force(value, spool, speed, y, e):
-    """Resisting force on a control or servo valve's spool beside the modelled ones [N]."""
+    """Resisting force on a servo valve's spool beside the modelled ones [N], nominally 0."""
+    return value
+
+
+@kernel
+def left_spool_force(value, spool, speed, y, e):
+    """Resisting force on the left control valve's spool beside the modelled ones [N]."""
+    return value
+
+
+@kernel
+def right_spool_force(value, spool, speed, y, e):
+    """Resisting force on the right control valve's spool beside the modelled ones [N]."""
+    return value
+
+
+@kernel
+def left_command(value, y, e):
+    """Command of the left chamber's valve as it acts over the coming tick."""
+    return value
+
+
+@kernel
+def right_command(value, y, e):
+    """Command of the right chamber's valve as it acts over the coming tick."""
     return value
 
 
 @kernel
 def left_solenoid(value, y, e):
-    """Force of the left valve's solenoid [N]; the value is the command."""
+    """Force of the left valve's solenoid [N]; the value is what the command asks for."""
     return value
 
 
 @kernel
 def right_solenoid(value, y, e):
-    """Force of the right valve's solenoid [N]; the value is the command."""
+    """Force of the right valve's solenoid [N]; the value is what the command asks for."""
     return value
 
 
@@ -132,5 +168,10 @@ def load_cylinder_friction_limit(value, speed, y, e):
 
 
 @kernel
-def effect_rates(time, y, dy, u, e):
+def effect_rates(time, y, dy, u, flows, e):
     """Fill the rates of the effects' states, the last ones of ``y``."""
+
+
+@kernel
+def sampled_states(y, u, e):
+    """Move the effects' sampled states on at the start of a tick with its commands ``u``."""

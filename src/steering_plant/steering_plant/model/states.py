@@ -86,3 +86,4 @@ INPUT_NAMES = (
 # Positions in the vector of flows that the right-hand side leaves behind [m3/s].
 LEFT_FLOW, RIGHT_FLOW, SUPPLY_FLOW = 0, 1, 2
 FLOWS = 3
+FLOW_NAMES = ("left_flow_in", "right_flow_in", "supply_flow")

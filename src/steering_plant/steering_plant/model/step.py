@@ -107,6 +107,9 @@ def plant_step(
     u[LEFT_SOLENOID], u[RIGHT_SOLENOID] = left_solenoid, right_solenoid
     u[LOAD_FORCE], u[LOAD_STIFFNESS], u[LOAD_POSITION] = load_force, load_stiffness, load_position
     u[LOAD_VALVE] = load_valve
+    slots.sampled_states(y, u, e)
+    u[LEFT_SOLENOID] = slots.left_command(u[LEFT_SOLENOID], y, e)
+    u[RIGHT_SOLENOID] = slots.right_command(u[RIGHT_SOLENOID], y, e)
     status = advance(par[0], table, e, scale, tick * TICK, TICK, y, step, u, work, flows)
     if status == 0:
         observe(par, sensors, e, tick + 1, y, u, history, true, out)
