@@ -1,99 +1,41 @@
-"""The rules of the overlay are worth something: every break of the limits' code breaks a rule."""
+"""The arbiter's tests are worth something: whatever is broken in its code, a story comes out wrong.
 
-import contextlib
-import sys
-from pathlib import Path
-from types import ModuleType
+The stories are compared with a second writing of the arbiter. A sample of the broken sources is
+tried here, all of them with ``python benchmarks/overlay_mutants.py``.
+"""
 
-import numpy as np
 import pytest
-from mutants import mutants
-from overlay_rules import APPLIED, BY_RATE, BY_TORQUE, Rules
+from overlay_mutants import EQUIVALENT, MODULES, broken, caught, holds, interpreted
+from overlay_stories import STORIES
+from second_arbiter import SecondArbiter
 
-import pressure_control
-from steering_core.parameters import load_parameters
+from pressure_control.overlay.arbiter import OverlayArbiter
 
-FOLDER = Path(pressure_control.__file__).parent
-ORDER = ("limits", "overlay.lateral", "overlay.limits", "overlay.hands", "overlay.sources")
-NAMES = (*ORDER, "overlay.arbiter")
-VARIANTS: tuple[dict[str, float], ...] = (
-    {},
-    {"overlay.maximum_pressure": 6e5},
-    {"overlay.maximum_lateral_acceleration": 0.5},
-    {"overlay.maximum_rate": 15.0},
-    {"overlay.maximum_lateral_jerk": 2.2},
-)
+SAMPLE = 12
+"""Every so many-th broken source of a file."""
 
 
-def source(name):
-    return (FOLDER / f"{name.replace('.', '/')}.py").read_text()
+@pytest.mark.parametrize("story", STORIES, ids=lambda story: story.name)
+def test_the_arbiter_is_its_second_writing(story):
+    assert holds(OverlayArbiter, SecondArbiter, story)
 
 
-@contextlib.contextmanager
-def interpreted(broken, text):
-    """Give the arbiter with its kernels as plain Python, one file's source replaced."""
-    made = []
-    try:
-        for name in NAMES:
-            code = text if name == broken else source(name)
-            code = code.replace("pressure_control.", "broken_control.")
-            code = code.replace("from steering_core.compiled import kernel", "kernel = lambda f: f")
-            module = ModuleType(f"broken_control.{name}")
-            sys.modules[module.__name__] = module
-            made.append(module.__name__)
-            exec(compile(code, name, "exec"), module.__dict__)
-        yield module.OverlayArbiter
-    finally:
-        for name in made:
-            del sys.modules[name]
+def test_the_code_as_it_is_passes_as_plain_python():
+    with interpreted(None, "") as modules:
+        assert not caught(modules)
 
 
-def keeps_the_rules(make, parameters):
-    """Ask far too much, with faults in between, one way and the other; then ask little."""
-    rules, arbiter = Rules(parameters), make(parameters, (1,))
-    arbiter.par = arbiter.par.view(np.recarray)
-    wishes = [29.0] * 1000 + [np.nan] * 20 + [-29.0] * 2000 + [0.9 * rules.level] * 2000
-    out = []
-    for tick, wish in enumerate(wishes):
-        out.append(arbiter.step(tick, 0.0, 0.0, 0.0, 20.0, wish, 1.0).copy())
-    rows = np.array(out)
-    rules.check(rows)
-    applied = rows[:, APPLIED]
-    levels = (rules.level, -rules.level, 0.9 * rules.level)
-    assert applied[[999, 3019, -1]] == pytest.approx(levels, rel=1e-9)
-    for start in (0, 1020, 3020):
-        fastest = np.max(np.abs(np.diff(applied[start:])))
-        assert fastest == pytest.approx(rules.step, rel=1e-9)
-    # each reason is told exactly where that limit alone would hold back
-    for i, level in enumerate(rules.levels):
-        assert bool(rows[999, BY_TORQUE + i]) == (level < 29.0)
-        assert bool(rows[3019, BY_TORQUE + i]) == (level < 29.0)
-        assert bool(rows[-1, BY_TORQUE + i]) == (0.9 * rules.level > level)
-    distance = np.abs(-rules.level - applied[1599])
-    for i, step in enumerate(rules.steps):
-        assert bool(rows[1600, BY_RATE + i]) == (distance > step)
-        assert not rows[-1, BY_RATE + i]
-
-
-def caught(broken, text):
-    try:
-        with interpreted(broken, text) as make:
-            for changes in VARIANTS:
-                keeps_the_rules(make, load_parameters().with_values(changes))
-    except Exception:
-        return True
-    return False
-
-
-def test_the_code_as_it_is_keeps_the_rules():
-    with interpreted(None, "") as make:
-        for changes in VARIANTS:
-            keeps_the_rules(make, load_parameters().with_values(changes))
-
-
-@pytest.mark.parametrize("broken", ["limits", "overlay.limits"])
-def test_every_mutant_of_the_limits_is_caught(broken):
-    found = list(mutants(source(broken)))
-    assert found
-    alive = [what for what, text in found if not caught(broken, text)]
+@pytest.mark.parametrize("module", MODULES)
+def test_a_sample_of_broken_sources_is_caught(module):
+    found = [(what, text) for what, text in broken(module) if (module, what) not in EQUIVALENT]
+    alive = []
+    for what, text in found[len(module) % 5 :: SAMPLE]:
+        with interpreted(module, text) as modules:
+            if not caught(modules):
+                alive.append(what)
     assert alive == []
+
+
+def test_what_counts_as_equivalent_is_still_there():
+    known = {(module, what) for module in MODULES for what, _ in broken(module)}
+    assert set(EQUIVALENT) <= known

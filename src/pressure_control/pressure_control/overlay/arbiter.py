@@ -22,7 +22,6 @@ from pressure_control.overlay.limits import (
 from pressure_control.overlay.sources import (
     BAD,
     HEARD,
-    MESSAGE_TICK,
     SEEN,
     SILENT,
     TORQUE,
@@ -123,12 +122,11 @@ class OverlayArbiter:
         self.state[[AUTHORITY, FADED]] = 1.0
         self.bounds = np.zeros(5)
         self.out = np.zeros(OUTPUTS)
-        self.out[5] = 1.0
         stale = parameters["overlay.stale_periods"]
         self.longest = self.periods * stale
         self.guest_longest = stale * parameters["overlay.guest_period"] * TICKS_PER_SECOND
         self.kept = _unheard(len(self.periods))
-        self.requests = _silent(len(self.periods))
+        self.requests = np.zeros((len(self.periods), 3))
         self.guests: dict[str, int] = {}
 
     def step(self, tick: int, *inputs: float) -> np.ndarray:
@@ -164,11 +162,10 @@ class OverlayArbiter:
         if name not in self.guests:
             self.guests[name] = len(self.requests)
             self.kept = np.vstack([self.kept, _unheard(1)])
-            self.requests = np.vstack([self.requests, _silent(1)])
+            self.requests = np.vstack([self.requests, np.zeros((1, 3))])
             self.longest = np.append(self.longest, self.guest_longest)
-        row = self.guests[name]
-        self.requests[row] = torque, priority, tick
-        self.kept[row, SEEN] = -1.0  # two messages within one tick: the later one counts
+        # of two messages within one tick the later one counts
+        self.requests[self.guests[name]] = torque, priority, tick
 
 
 def overlay_record(parameters: ParameterSet) -> np.ndarray:
@@ -200,9 +197,3 @@ def _unheard(count: int) -> np.ndarray:
     kept = np.zeros((count, 6))
     kept[:, [HEARD, SEEN]] = -1.0
     return kept
-
-
-def _silent(count: int) -> np.ndarray:
-    requests = np.zeros((count, 3))
-    requests[:, MESSAGE_TICK] = -1.0
-    return requests
