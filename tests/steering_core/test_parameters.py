@@ -119,3 +119,24 @@ def test_the_smallest_value_itself_is_allowed():
     assert Info(1.0, "m", "test", minimum=-2.0).checked("x", -2.0) == -2.0
     with pytest.raises(ParameterError, match="greater than 0"):
         Info(1.0, "m", "test").checked("x", 0.0)
+
+
+def test_a_file_brings_tolerance_and_source_of_its_values(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        "mechanics:\n  rack_mass: {value: 25.0, tolerance: 0.02, source: weighed}\n"
+        "  rack_friction: 70.0\n"
+    )
+    mine = load_parameters(path)
+    info = mine.info("mechanics.rack_mass")
+    assert mine["mechanics.rack_mass"] == 25.0
+    assert (info.tolerance, info.source) == (0.02, "weighed")
+    assert mine.info("mechanics.rack_friction") == load_parameters().info("mechanics.rack_friction")
+
+
+@pytest.mark.parametrize("tolerance", ["1.5", "-0.1", "wide", "true"])
+def test_a_tolerance_that_cannot_be_is_named(tmp_path, tolerance):
+    path = tmp_path / "mine.yaml"
+    path.write_text(f"mechanics:\n  rack_mass: {{value: 25.0, tolerance: {tolerance}}}\n")
+    with pytest.raises(ParameterError, match=r"mine\.yaml: mechanics\.rack_mass.*tolerance"):
+        load_parameters(path)

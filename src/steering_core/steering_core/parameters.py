@@ -123,8 +123,9 @@ def record(values: Mapping[str, float]) -> np.ndarray:
 def load_parameters(name: str | Path = "nominal") -> ParameterSet:
     """Load a parameter set by the name of a shipped one, or from a YAML file.
 
-    A file is either a whole data sheet or a mapping of groups to plain values (or of full names to
-    values) that replaces values of the nominal set. Raises ParameterError naming the file.
+    A file is a mapping of groups to plain values (or of full names to values) that replaces values
+    of the nominal set; ``{value: ..., tolerance: ..., source: ...}`` replaces these as well. Raises
+    ParameterError naming the file.
     """
     path = Path(name)
     if str(name) in shipped_sets():
@@ -136,9 +137,30 @@ def load_parameters(name: str | Path = "nominal") -> ParameterSet:
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"cannot read the parameter set {path}: {error}") from None
     try:
-        return _shipped("nominal").with_values(dict(flatten(content)))
+        nominal = _shipped("nominal")
+        return _with_lines(nominal, content).with_values(dict(flatten(content)))
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
+
+
+def _with_lines(nominal: ParameterSet, content: Any) -> ParameterSet:
+    """Return the set with the tolerances and sources that a file gives for its own values."""
+    sheet = dict(nominal.sheet)
+    for name, line in flatten(content, whole=True):
+        if not isinstance(line, Mapping):
+            continue
+        info = nominal.info(name)
+        tolerance = line.get("tolerance", info.tolerance)
+        if isinstance(tolerance, bool) or not isinstance(tolerance, (int, float)):
+            raise ParameterError(f"{name}: tolerance '{tolerance}' is not a number")
+        if not 0.0 <= tolerance < 1.0:
+            raise ParameterError(f"{name}: tolerance must be from 0 to 1, got {tolerance:g}")
+        sheet[name] = replace(
+            info,
+            tolerance=float(tolerance),
+            source=str(line.get("source", info.source)),
+        )
+    return replace(nominal, sheet=sheet)
 
 
 def shipped_sets() -> list[str]:
@@ -147,15 +169,21 @@ def shipped_sets() -> list[str]:
     return sorted(f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith("yaml"))
 
 
-def flatten(content: Any) -> Iterator[tuple[str, Any]]:
-    """Yield (full name, value) of a mapping of groups; ``{value: ...}`` stands for its value."""
+def flatten(content: Any, whole: bool = False) -> Iterator[tuple[str, Any]]:
+    """Yield (full name, value) of a mapping of groups.
+
+    ``{value: ...}`` stands for its value, or for itself with ``whole``.
+    """
     if not isinstance(content, Mapping):
         raise ParameterError("a parameter set is a mapping of groups to parameters")
     for key, entry in content.items():
         if isinstance(entry, Mapping) and "value" not in entry:
-            yield from ((f"{key}.{name}", value) for name, value in flatten(entry))
+            inner = flatten(entry, whole)
+            yield from ((f"{key}.{name}", value) for name, value in inner)
+        elif isinstance(entry, Mapping) and not whole:
+            yield str(key), entry["value"]
         else:
-            yield str(key), entry["value"] if isinstance(entry, Mapping) else entry
+            yield str(key), entry
 
 
 @cache

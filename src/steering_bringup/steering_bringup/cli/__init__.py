@@ -21,11 +21,18 @@ COMMANDS = {
     "repeat": "repeat the run that a bag records and check that it is the same, bit for bit",
     "recover": "make a bag readable that a crash cut off",
     "schema": "write the JSON Schema of scenarios and node sets for an editor",
+    "rig-test": "the source's rig tests on the simulated plant, each recorded to a bag",
+    "identify": "what rig tests tell of a gear, as a parameter set that loads",
+    "validate": "a model against a recorded system test, channel by channel",
     "bench": "measure speed and accuracy against the targets",
 }
 """Commands with their one line of help; the module of the same name implements each."""
 
-PACKAGES: dict[str, str] = {}
+PACKAGES: dict[str, str] = {
+    "rig-test": "steering_studies",
+    "identify": "steering_studies",
+    "validate": "steering_studies",
+}
 """Packages above this one whose ``cli`` folder holds the command's module; others are here."""
 
 FAILED, USAGE, INTERRUPTED = 1, 2, 130

@@ -1,0 +1,1 @@
+"""From rig tests to parameters: one estimator a test, each with intervals."""

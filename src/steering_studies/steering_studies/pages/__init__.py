@@ -1,0 +1,1 @@
+"""Pages of the studies: figures in the source's axes."""
