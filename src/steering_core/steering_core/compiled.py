@@ -33,6 +33,7 @@ CORE_PACKAGES = (
     "vehicle_model",
     "steering_bringup.direct",
     "steering_bringup.lane_keeping",
+    "steering_diagnosis.steering.kernels",
 )
 """Packages with kernels; the rest of the bring-up has none, and its edits cost no compilation."""
 KEPT_CACHES = 8

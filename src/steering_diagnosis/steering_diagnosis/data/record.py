@@ -23,7 +23,8 @@ class Record:
     taken with, before any effect (a bag's own settings of controller and vehicle included).
     boost_table: of a measured boost curve, None for the formula. notes: what reading and aligning
     found or changed, a sentence each. excluded: (n,) bool, samples not to be judged (saturated,
-    bridged gaps); None: all count. sha256: of the file or bag.
+    bridged gaps); None: all count. sha256: of the file or bag. vehicle_load: kind of the simulated
+    load on the rack (vehicle_model.loads), "" where that is not known.
     """
 
     valve_system: Literal["open_centre", "closed_centre", "servo_valve"]
@@ -35,6 +36,7 @@ class Record:
     name: str = "record"
     path: Path | None = None
     sha256: str = ""
+    vehicle_load: str = ""
 
     def __len__(self) -> int:
         return len(next(iter(self.channels.values()))) if self.channels else 0

@@ -1,0 +1,1 @@
+"""The steering gear as a model that the engine can diagnose."""

@@ -1,0 +1,219 @@
+"""What drives the replay: prescribed states and held inputs, from a record's channels.
+
+The sensors of inputs act inversely here: the wheel's true angle is what its sensor, with its gain,
+offset, delay and lag, must have felt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from steering_core.errors import BenchError
+from steering_core.parameters import ParameterSet
+from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.steering.load import COMMAND as LOAD_COMMAND
+from steering_diagnosis.steering.load import LoadCommand
+from steering_diagnosis.steering.smoothing import Curve, begins_moving, bridged, low_pass
+from steering_plant.model import states
+
+RUN_UP = 200
+"""Ticks before the record in which hidden states settle."""
+
+NEGLIGIBLE = {
+    "steering_wheel_angle": 1e-7,
+    "rack_force": 0.02,
+    "rack_position": 1e-9,
+    "left_pressure": 20.0,
+    "right_pressure": 20.0,
+    "supply_pressure": 20.0,
+    "torsion_bar_torque": 1e-6,
+}
+"""Noise below which a channel is taken as it is, SI."""
+
+SENSORS = {
+    "steering_wheel_angle": "angle_sensor",
+    "steering_wheel_speed": "angle_sensor",
+    "torsion_bar_torque": "torque_sensor",
+    "left_pressure": "left_pressure_sensor",
+    "right_pressure": "right_pressure_sensor",
+    "supply_pressure": "supply_pressure_sensor",
+    "rack_position": "rack_position_sensor",
+    "rack_speed": "rack_position_sensor",
+    "rack_force": "rack_force_sensor",
+}
+"""The data sheet's group of each measured channel's sensor."""
+
+COMMANDS = {
+    "closed_centre": ("left_solenoid_force", "right_solenoid_force"),
+    "servo_valve": ("left_solenoid_force", "right_solenoid_force"),
+    "open_centre": (),
+}
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What a sensor does: measured = gain felt(t - delay) + offset, lag felt' = true - felt."""
+
+    gain: float
+    offset: float
+    delay: float
+    lag: float
+
+
+def sensor(parameters: ParameterSet, channel: str) -> Sensor:
+    """Return the sensor of a measured channel as the parameters have it."""
+    group = SENSORS[channel]
+    of_rate = channel in ("steering_wheel_speed", "rack_speed")
+    return Sensor(
+        parameters[f"{group}.gain"],
+        0.0 if of_rate else parameters[f"{group}.offset"],
+        parameters[f"{group}.delay"],
+        parameters.values.get(f"{group}.lag", 0.0),
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class Driven:
+    """Arrays that the kernel takes: see ``kernels.simulate.simulate``."""
+
+    at: np.ndarray
+    given: np.ndarray
+    slopes: np.ndarray
+    held: np.ndarray
+    rise: np.ndarray
+
+    @property
+    def key(self) -> bytes:
+        """A digest of the content, for the cache."""
+        return b"".join(a.tobytes() for a in (self.at, self.given, self.held, self.rise))
+
+
+class Drive:
+    """The inputs of a record.
+
+    load: where the rack's load is taken from: its load cell, the load's command, or nowhere; then
+    the rack's motion is prescribed. valves: whether the valves' commands are known; otherwise the
+    chambers' pressures are prescribed. BenchError where the record cannot drive a replay.
+    """
+
+    def __init__(self, record: Record) -> None:
+        if "steering_wheel_angle" not in record:
+            raise BenchError(
+                f"'{record.name}' has no steering_wheel_angle, which drives the replay: map it"
+            )
+        self.record = record
+        moving = begins_moving(record["steering_wheel_angle"])
+        self.curves = {
+            name: Curve(record[name], negligible, RUN_UP, moving)
+            for name, negligible in NEGLIGIBLE.items()
+            if name in record
+        }
+        self.load: Literal["cell", "command", "none"] = "none"
+        if "rack_force" in record:
+            self.load = "cell"
+        elif all(name in record for name in LOAD_COMMAND):
+            self.load = "command"
+        elif "rack_position" not in record:
+            raise BenchError(
+                f"'{record.name}' has neither rack_force nor rack_position: one of them must be "
+                "measured to replay it"
+            )
+        self.valves = all(name in record for name in COMMANDS[record.valve_system])
+        if not self.valves and not {"left_pressure", "right_pressure"} <= set(record.channels):
+            raise BenchError(
+                f"'{record.name}' has neither the valves' commands nor both chamber pressures"
+            )
+        self.command = self._load_command()
+        self._held = self._commands()
+
+    def felt(self, channel: str, parameters: ParameterSet, order: int = 0) -> np.ndarray:
+        """Return the true value of a measured channel, or a derivative, run-up included."""
+        by = sensor(parameters, channel)
+        offset = by.offset if order == 0 else 0.0
+        return (self.curves[channel].taken(by.delay, by.lag, order) - offset) / by.gain
+
+    def felt_raw(self, channel: str, parameters: ParameterSet) -> np.ndarray:
+        """Return the true value of a measured channel, (n,), noise and all."""
+        by = sensor(parameters, channel)
+        values = bridged(self.record[channel])
+        if by.delay > 0.0:
+            ticks = np.arange(len(values))
+            values = np.interp(ticks + by.delay / PERIOD_S, ticks, values)
+        if by.lag > 0.0:
+            values = values + by.lag * np.gradient(values, PERIOD_S)
+        return (values - by.offset) / by.gain
+
+    def as_smooth_as(self, channel: str, values: np.ndarray) -> np.ndarray:
+        """Return ``values`` (n,) low-passed as the curve of ``channel`` is."""
+        curve = self.curves[channel]
+        return low_pass(values, curve.spectrum.cutoff_hz) if curve.smoothed else values
+
+    def inputs(self) -> dict[str, int]:
+        """Return the channels that drive the replay, with the states that they prescribe."""
+        channels = {"steering_wheel_angle": states.ANGLE}
+        if self.load == "none":
+            channels["rack_position"] = states.POSITION
+        if not self.valves:
+            channels |= {"left_pressure": states.LEFT, "right_pressure": states.RIGHT}
+        return channels
+
+    def driven(self, parameters: ParameterSet, inputs: Mapping[str, int] | None = None) -> Driven:
+        """Return the kernel's arrays for sensors as ``parameters`` have them.
+
+        inputs: channels with the states that they prescribe (of a position also its speed).
+        """
+        at: list[int] = []
+        given: list[np.ndarray] = []
+        slopes: list[np.ndarray] = []
+        for channel, state in (self.inputs() if inputs is None else inputs).items():
+            orders = (0, 1) if state in (states.ANGLE, states.POSITION) else (0,)
+            curves = [self.felt(channel, parameters, order) for order in range(len(orders) + 1)]
+            for order in orders:
+                at.append(state + order)
+                given.append(curves[order])
+                slopes.append(curves[order + 1])
+        held = self._held.copy()
+        rise = np.zeros(len(held))
+        if self.load == "cell":
+            force = self.felt("rack_force", parameters)
+            held[:, states.LOAD_FORCE] = force + self._jump
+            rise[:-1] = force[1:] - held[:-1, states.LOAD_FORCE]
+        return Driven(
+            np.array(at), np.column_stack(given), np.column_stack(slopes), held, rise
+        )
+
+    def _load_command(self) -> LoadCommand | None:
+        """Return the load's command where it is known, and how it jumps at the ticks."""
+        known = {*LOAD_COMMAND, "rack_position"} <= set(self.record.channels)
+        self._jump = np.zeros(RUN_UP + len(self.record))
+        if not known:
+            return None
+        command = LoadCommand(self.record, self.curves["rack_position"].values[RUN_UP:])
+        if self.load == "cell":
+            cutoff = self.curves["rack_force"].spectrum.cutoff_hz
+            self._jump[RUN_UP:] = low_pass(command.jump, cutoff)
+        return command
+
+    def _commands(self) -> np.ndarray:
+        """Return the held inputs that are commands, (run-up + n, 7)."""
+        record = self.record
+        held = np.zeros((RUN_UP + len(record), states.INPUTS))
+        if self.valves:
+            columns = (states.LEFT_SOLENOID, states.RIGHT_SOLENOID)
+            for column, name in zip(columns, COMMANDS[record.valve_system], strict=False):
+                held[:, column] = _led_in(bridged(record[name]))
+        if self.load == "command":
+            columns = (states.LOAD_FORCE, states.LOAD_STIFFNESS, states.LOAD_POSITION)
+            for column, name in zip(columns, LOAD_COMMAND, strict=True):
+                held[:, column] = _led_in(bridged(record[name]))
+        return held
+
+
+def _led_in(values: np.ndarray) -> np.ndarray:
+    """Return ``values`` with their first one held over the run-up."""
+    return np.concatenate([np.full(RUN_UP, values[0]), values])
+

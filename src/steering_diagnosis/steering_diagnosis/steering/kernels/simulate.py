@@ -1,0 +1,137 @@
+"""The plant driven by measured signals: some of its states prescribed, the others integrated.
+
+A prescribed state follows its measurement, a cubic Hermite curve from tick to tick; the remaining
+right-hand side is the plant's own, effects included. The replay prescribes the steering wheel; the
+balances prescribe all that was measured. Explicit Runge-Kutta 3(2) of Bogacki and Shampine (1989):
+the states that are left are smooth against the sensors' noise, so a low order with a step bound by
+stability is cheapest.
+"""
+
+from __future__ import annotations
+
+import math
+
+from steering_core.compiled import kernel
+from steering_plant.model.dynamics import possible, rates, settle
+from steering_plant.model.mechanics import torsion_bar_torque
+from steering_plant.model.slots import supply_pressure
+from steering_plant.model.states import LOAD_FORCE, PUMP
+
+WORK_ROWS = 6
+"""Rows of the work array: four slopes, the new state and the stage's state."""
+
+EXTRA = 5
+"""Columns of the trace behind state and rates: torque, supply pressure, three flows."""
+
+TICK = 1e-3
+SMALLEST_STEP = 1e-8
+SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.85, 0.2, 3.0
+SMALL_ERROR = (SAFETY / GREATEST_FACTOR) ** 3
+OK, FAILED = 0, 1
+
+
+@kernel
+def prescribe(y, at, given, slopes, tick, share):
+    """Write the prescribed states into ``y`` at ``share`` (0 to 1) of the tick after ``tick``.
+
+    at: int64, their positions, shape (m,). given, slopes: values and rates at ticks, (n, m).
+    """
+    rest = 1.0 - share
+    for j in range(at.shape[0]):
+        first, last = given[tick, j], given[tick + 1, j]
+        bend = rest * (TICK * slopes[tick, j] - (last - first))
+        bend -= share * (TICK * slopes[tick + 1, j] - (last - first))
+        y[at[j]] = first + share * (last - first) + share * rest * bend
+
+
+@kernel
+def slope(p, table, e, at, given, slopes, tick, share, held, rise, y, u, dy, flows):
+    """Fill ``dy`` at ``share`` of a tick; prescribed states are written and do not integrate."""
+    prescribe(y, at, given, slopes, tick, share)
+    u[LOAD_FORCE] = held[tick, LOAD_FORCE] + share * rise[tick]
+    rates(p, table, e, (tick + share) * TICK, y, u, dy, flows)
+
+
+@kernel
+def still(at, dy):
+    """Let the prescribed states rest: their motion is not integrated."""
+    for j in range(at.shape[0]):
+        dy[at[j]] = 0.0
+
+
+@kernel
+def keep(p, e, y, dy, flows, time, row):
+    """Write state, rates and what follows from them into a row of the trace."""
+    n = y.shape[0]
+    for i in range(n):
+        row[i], row[n + i] = y[i], dy[i]
+    row[2 * n] = torsion_bar_torque(p, y, e)
+    if p.closed_centre > 0.0 or p.servo_valve > 0.0:
+        row[2 * n + 1] = supply_pressure(p.supply_pressure, time, y, e)
+    else:
+        row[2 * n + 1] = y[PUMP]
+    for i in range(3):
+        row[2 * n + 2 + i] = flows[i]
+
+
+@kernel
+def simulate(par, table, e, scale, at, given, slopes, held, rise, y, u, work, flows, trace):
+    """Integrate over all ticks and fill ``trace``; return (status, tick reached).
+
+    par, table, e: of the plant. scale: error allowed in one inner step, by state. at, given,
+    slopes: prescribed states (``prescribe``). held: inputs of the plant, held from tick to tick,
+    (n, 7). rise: what the load's force grows by within each tick, (n,). y: state to begin with,
+    replaced. u, work, flows: room. trace: (n, 2 states + EXTRA), see ``keep``.
+    """
+    p = par[0]
+    k1, k2, k3, k4, new, stage = work[0], work[1], work[2], work[3], work[4], work[5]
+    n, ticks = y.shape[0], given.shape[0]
+    step = 1.0
+    for tick in range(ticks):
+        last = tick + 1 == ticks
+        row = tick - 1 if last else tick
+        for i in range(u.shape[0]):
+            u[i] = held[tick, i]
+        slope(p, table, e, at, given, slopes, row, 1.0 if last else 0.0, held, rise, y, u, k1, flows)
+        keep(p, e, y, k1, flows, tick * TICK, trace[tick])
+        if last:
+            return OK, tick
+        still(at, k1)
+        done = 0.0
+        while done < 1.0:
+            share = (1.0 - done) / math.ceil((1.0 - done) / step * (1.0 - 1e-9))
+            h = share * TICK
+            for i in range(n):
+                stage[i] = y[i] + 0.5 * h * k1[i]
+            middle = done + 0.5 * share
+            slope(p, table, e, at, given, slopes, tick, middle, held, rise, stage, u, k2, flows)
+            still(at, k2)
+            for i in range(n):
+                stage[i] = y[i] + 0.75 * h * k2[i]
+            middle = done + 0.75 * share
+            slope(p, table, e, at, given, slopes, tick, middle, held, rise, stage, u, k3, flows)
+            still(at, k3)
+            for i in range(n):
+                new[i] = y[i] + h * (2.0 * k1[i] + 3.0 * k2[i] + 4.0 * k3[i]) / 9.0
+            end = min(done + share, 1.0)
+            slope(p, table, e, at, given, slopes, tick, end, held, rise, new, u, k4, flows)
+            still(at, k4)
+            error = math.inf
+            if possible(p, new):
+                error = 0.0
+                for i in range(scale.shape[0]):
+                    local = -5.0 * k1[i] / 72.0 + k2[i] / 12.0 + k3[i] / 9.0 - 0.125 * k4[i]
+                    error = max(error, abs(h * local) / scale[i])
+            if not error <= 1.0:
+                shrink = SAFETY * error ** (-1.0 / 3.0) if error < math.inf else 0.0
+                step = share * max(LEAST_FACTOR, shrink)
+                if step * TICK < SMALLEST_STEP:
+                    return FAILED, tick
+                continue
+            growth = SAFETY * error ** (-1.0 / 3.0) if error > SMALL_ERROR else GREATEST_FACTOR
+            step = min(share * growth, 1.0)
+            done = 1.0 if end > 1.0 - 1e-9 else end
+            for i in range(n):
+                y[i], k1[i] = new[i], k4[i]
+            settle(p, e, y)
+    return OK, ticks - 1

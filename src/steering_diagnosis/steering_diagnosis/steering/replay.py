@@ -1,0 +1,83 @@
+"""The replay: the steering gear bound to a record, as the engine takes it (engine.model.Replay)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.engine.model import BoundModel, Effects
+from steering_diagnosis.steering import suspects
+from steering_diagnosis.steering.drive import Drive
+from steering_diagnosis.steering.full_model import full_model
+from steering_diagnosis.steering.outputs import LOAD_FRICTION, Run, outputs_of
+from steering_diagnosis.steering.simulation import Simulation
+
+UNSETTLED = 300
+"""Samples at the beginning that are not judged: hidden states are only guessed there."""
+
+
+class SteeringReplay:
+    """The nominal plant driven by a record's inputs; implements engine.model.Replay.
+
+    BenchError where the record cannot drive a replay. ``undecidable``: effects that this record
+    cannot decide, with the reason.
+    """
+
+    period_s = PERIOD_S
+
+    def __init__(self, record: Record) -> None:
+        self.record = record
+        self.drive = Drive(record)
+        self.simulation = Simulation(self.drive)
+        self._predicted = outputs_of(self.drive)
+        self.outputs = tuple(p.output for p in self._predicted)
+        self.nuisances = suspects.nuisances(self.drive, record.nominal)
+        self.hypotheses, self.undecidable = suspects.hypotheses(
+            self.drive, self._predicted, self.nuisances
+        )
+        self._unjudged = np.zeros(len(record), dtype=bool)
+        self._unjudged[:UNSETTLED] = True
+        if record.excluded is not None:
+            self._unjudged |= record.excluded
+
+    def run(self, nuisances: Mapping[str, float], effects: Effects) -> Run:
+        """Return the simulation with the absolute ``nuisances`` and the ``effects`` that are on.
+
+        Where the rack's load is measured, what acts behind the load cell is no part of it.
+        """
+        model = full_model(self.record.valve_system)
+        parameters = self.record.nominal.with_values(nuisances) if nuisances else self.record.nominal
+        parameters = model.changed(parameters, effects)
+        acting = effects
+        if self.drive.load == "cell":
+            acting = {name: values for name, values in effects.items() if name != LOAD_FRICTION}
+        trace = self.simulation.run(parameters, acting)
+        return Run(self.drive, parameters, effects, trace)
+
+    def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
+        """Return measured minus predicted, (n, outputs), SI; NaN where it is not judged."""
+        run = self.run(nuisances, effects)
+        errors = np.column_stack([p.residual(run) for p in self._predicted])
+        errors[self._unjudged] = np.nan
+        return errors
+
+    def states(self) -> Mapping[str, np.ndarray]:
+        """Return what a free-form term may depend on, name [unit] to (n,), nominal model."""
+        trace = self.run({}, {}).trace
+        load = (trace["right_pressure"] - trace["left_pressure"])
+        return {
+            "rack position [m]": trace["rack_position"],
+            "rack speed [m/s]": trace["rack_speed"],
+            "steering wheel speed [rad/s]": trace["steering_wheel_speed"],
+            "torsion-bar torque [N m]": trace.torque,
+            "load pressure [Pa]": load,
+            "sum of pressures [Pa]": trace["right_pressure"] + trace["left_pressure"],
+        }
+
+
+def bind(record: Record) -> BoundModel:
+    """Return the replay of a record with what the report must say of it."""
+    replay = SteeringReplay(record)
+    return BoundModel(replay, replay.undecidable, record.notes)

@@ -1,0 +1,95 @@
+"""Measured inputs as smooth curves: noise must not enter the replay as acceleration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import signal
+from scipy.interpolate import CubicSpline
+
+from steering_diagnosis.data.record import PERIOD_S
+
+SEGMENT = 2048
+NOISE_BAND_HZ = 350.0
+"""Above it nothing of a steering gear moves: what is there is noise."""
+
+LOWEST_HZ, HIGHEST_HZ = 12.0, 120.0
+ABOVE_NOISE = 3.0
+"""Spectral density over the noise's from which a frequency belongs to the signal."""
+
+ORDER = 3
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Noise of a channel: standard deviation of a sample, and where the signal sinks into it."""
+
+    noise: float
+    cutoff_hz: float
+
+
+def spectrum(values: np.ndarray) -> Spectrum:
+    """Return noise and cut-off of ``values``, (n,) without NaN, at the record's rate."""
+    segment = min(SEGMENT, len(values))
+    hz, density = signal.welch(
+        values, 1.0 / PERIOD_S, "hann", segment, detrend="linear", average="median"
+    )
+    floor = float(np.median(density[hz >= NOISE_BAND_HZ]))
+    loud = np.flatnonzero((density > ABOVE_NOISE * floor) & (hz < NOISE_BAND_HZ))
+    quiet = np.flatnonzero(np.diff(loud) > max(3, len(hz) // 100))
+    last = loud[quiet[0]] if len(quiet) else (loud[-1] if len(loud) else 0)
+    cutoff = float(np.clip(1.5 * hz[last], LOWEST_HZ, HIGHEST_HZ))
+    return Spectrum(float(np.sqrt(floor * 0.5 / PERIOD_S)), cutoff)
+
+
+def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:
+    """Return ``values`` (n, ...) low-passed with zero phase."""
+    sections = signal.butter(ORDER, 2.0 * cutoff_hz * PERIOD_S, output="sos")
+    return np.asarray(signal.sosfiltfilt(sections, values, axis=0, padlen=min(300, len(values) - 1)))
+
+
+def bridged(values: np.ndarray) -> np.ndarray:
+    """Return ``values`` (n,) with straight lines over NaN; zeros where there is nothing at all."""
+    known = np.isfinite(values)
+    if known.all():
+        return values
+    if not known.any():
+        return np.zeros_like(values)
+    index = np.arange(len(values))
+    return np.interp(index, index[known], values[known])
+
+
+class Curve:
+    """A measured channel as a twice differentiable curve, continued before its beginning.
+
+    values: (n,). negligible: noise below which it is taken as it is. before: ticks of continuation.
+    moving: mirror them through the first value, so that motion goes on as it was; else hold it.
+    """
+
+    def __init__(
+        self, values: np.ndarray, negligible: float, before: int, moving: bool = False
+    ) -> None:
+        values = bridged(np.asarray(values, dtype=np.float64))
+        self.spectrum = spectrum(values)
+        self.smoothed = self.spectrum.noise > negligible
+        if self.smoothed:
+            values = low_pass(values, self.spectrum.cutoff_hz)
+        led_in = 2.0 * values[0] - values[before:0:-1] if moving else np.full(before, values[0])
+        values = np.concatenate([led_in, values])
+        self.values = values
+        self._time = np.arange(len(values)) * PERIOD_S
+        self._spline = CubicSpline(self._time, values)
+
+    def taken(self, delay: float = 0.0, lag: float = 0.0, order: int = 0) -> np.ndarray:
+        """Return the ``order``-th derivative of what a sensor with ``delay`` and ``lag`` felt."""
+        time = self._time if delay == 0.0 else np.minimum(self._time + delay, self._time[-1])
+        felt = self._spline(time, order)
+        return felt if lag == 0.0 else felt + lag * self._spline(time, order + 1)
+
+
+def begins_moving(values: np.ndarray) -> bool:
+    """Return whether a position (n,) moves at its beginning as it does in the record."""
+    smooth = low_pass(bridged(values), LOWEST_HZ)
+    speed = np.gradient(smooth)
+    return bool(np.abs(speed[:20]).mean() > 0.1 * np.sqrt(np.mean(speed**2)))
