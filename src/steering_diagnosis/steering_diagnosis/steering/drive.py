@@ -182,9 +182,7 @@ class Drive:
             force = self.felt("rack_force", parameters)
             held[:, states.LOAD_FORCE] = force + self._jump
             rise[:-1] = force[1:] - held[:-1, states.LOAD_FORCE]
-        return Driven(
-            np.array(at), np.column_stack(given), np.column_stack(slopes), held, rise
-        )
+        return Driven(np.array(at), np.column_stack(given), np.column_stack(slopes), held, rise)
 
     def _load_command(self) -> LoadCommand | None:
         """Return the load's command where it is known, and how it jumps at the ticks."""
@@ -203,8 +201,8 @@ class Drive:
         record = self.record
         held = np.zeros((RUN_UP + len(record), states.INPUTS))
         if self.valves:
-            columns = (states.LEFT_SOLENOID, states.RIGHT_SOLENOID)
-            for column, name in zip(columns, COMMANDS[record.valve_system], strict=False):
+            valves = (states.LEFT_SOLENOID, states.RIGHT_SOLENOID)
+            for column, name in zip(valves, COMMANDS[record.valve_system], strict=False):
                 held[:, column] = _led_in(bridged(record[name]))
         if self.load == "command":
             columns = (states.LOAD_FORCE, states.LOAD_STIFFNESS, states.LOAD_POSITION)
@@ -216,4 +214,3 @@ class Drive:
 def _led_in(values: np.ndarray) -> np.ndarray:
     """Return ``values`` with their first one held over the run-up."""
     return np.concatenate([np.full(RUN_UP, values[0]), values])
-

@@ -28,7 +28,7 @@ class LoadCommand:
         self._force, self._stiffness, at = (bridged(record[name]) for name in COMMAND)
         self._offset = self._force - self._stiffness * at
         self._position = position
-        self._cell = record["rack_force"] if "rack_force" in record else None
+        self._cell = record.channels.get("rack_force")
 
     def force(self, age: int) -> np.ndarray:
         """Return the force [N] at every tick that the command ``age`` ticks ago asks for, (n,)."""

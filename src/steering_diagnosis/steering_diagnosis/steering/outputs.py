@@ -1,4 +1,4 @@
-"""The outputs of the replay: what is predicted of each channel, and the balance that it tells of."""
+"""The outputs of the replay: what is predicted of each channel, and the balance it tells of."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Predicted:
-    """An output with its residual, measured minus predicted (n,). there: whether a record has it."""
+    """An output, its residual (measured minus predicted, (n,)), and whether a record has it."""
 
     output: Output
     there: Callable[[Drive], bool]

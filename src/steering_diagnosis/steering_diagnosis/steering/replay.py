@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from steering_diagnosis.data.record import PERIOD_S, Record
-from steering_diagnosis.engine.model import BoundModel, Effects
+from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis
 from steering_diagnosis.steering import suspects
 from steering_diagnosis.steering.drive import Drive
 from steering_diagnosis.steering.full_model import full_model
@@ -34,6 +34,7 @@ class SteeringReplay:
         self._predicted = outputs_of(self.drive)
         self.outputs = tuple(p.output for p in self._predicted)
         self.nuisances = suspects.nuisances(self.drive, record.nominal)
+        self.hypotheses: Mapping[str, Hypothesis]
         self.hypotheses, self.undecidable = suspects.hypotheses(
             self.drive, self._predicted, self.nuisances
         )
@@ -42,13 +43,22 @@ class SteeringReplay:
         if record.excluded is not None:
             self._unjudged |= record.excluded
 
+    def __getstate__(self) -> dict[str, object]:
+        return {name: value for name, value in self.__dict__.items() if name != "_predicted"}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._predicted = outputs_of(self.drive)
+
     def run(self, nuisances: Mapping[str, float], effects: Effects) -> Run:
         """Return the simulation with the absolute ``nuisances`` and the ``effects`` that are on.
 
         Where the rack's load is measured, what acts behind the load cell is no part of it.
         """
         model = full_model(self.record.valve_system)
-        parameters = self.record.nominal.with_values(nuisances) if nuisances else self.record.nominal
+        parameters = (
+            self.record.nominal.with_values(nuisances) if nuisances else self.record.nominal
+        )
         parameters = model.changed(parameters, effects)
         acting = effects
         if self.drive.load == "cell":
@@ -66,7 +76,7 @@ class SteeringReplay:
     def states(self) -> Mapping[str, np.ndarray]:
         """Return what a free-form term may depend on, name [unit] to (n,), nominal model."""
         trace = self.run({}, {}).trace
-        load = (trace["right_pressure"] - trace["left_pressure"])
+        load = trace["right_pressure"] - trace["left_pressure"]
         return {
             "rack position [m]": trace["rack_position"],
             "rack speed [m/s]": trace["rack_speed"],

@@ -183,14 +183,12 @@ class Simulation:
         y[driven.at] = driven.given[0]
         return y
 
-    def _rack_friction(
-        self, y: np.ndarray, driven: Driven, parameters: ParameterSet
-    ) -> float:
+    def _rack_friction(self, y: np.ndarray, driven: Driven, parameters: ParameterSet) -> float:
         """Return the rack's friction [N] that the measured balance of forces leaves."""
         channels = ("torsion_bar_torque", "left_pressure", "right_pressure")
         if self.drive.load != "cell" or not all(c in self.drive.curves for c in channels):
             return 0.0
-        torque = self.drive.felt("torsion_bar_torque", parameters)[:RUN_UP // 4].mean()
+        torque = self.drive.felt("torsion_bar_torque", parameters)[: RUN_UP // 4].mean()
         pressed = (y[states.RIGHT] - y[states.LEFT]) * parameters["mechanics.piston_area"]
         force = driven.held[: RUN_UP // 4, states.LOAD_FORCE].mean()
         left = pressed + torque * parameters["mechanics.gear_ratio"] - force

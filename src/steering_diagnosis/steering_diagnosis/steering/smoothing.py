@@ -46,7 +46,9 @@ def spectrum(values: np.ndarray) -> Spectrum:
 def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:
     """Return ``values`` (n, ...) low-passed with zero phase."""
     sections = signal.butter(ORDER, 2.0 * cutoff_hz * PERIOD_S, output="sos")
-    return np.asarray(signal.sosfiltfilt(sections, values, axis=0, padlen=min(300, len(values) - 1)))
+    return np.asarray(
+        signal.sosfiltfilt(sections, values, axis=0, padlen=min(300, len(values) - 1))
+    )
 
 
 def bridged(values: np.ndarray) -> np.ndarray:

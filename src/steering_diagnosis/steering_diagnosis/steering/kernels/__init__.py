@@ -1,1 +1,1 @@
-"""Compiled kernels of the replay; part of the key of the kernels' cache (steering_core.compiled)."""
+"""Compiled kernels of the replay; steering_core.compiled watches this folder for changes."""

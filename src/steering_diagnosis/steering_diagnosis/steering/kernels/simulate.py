@@ -14,8 +14,13 @@ import math
 from steering_core.compiled import kernel
 from steering_plant.model.dynamics import possible, rates, settle
 from steering_plant.model.mechanics import torsion_bar_torque
-from steering_plant.model.slots import supply_pressure
-from steering_plant.model.states import LOAD_FORCE, PUMP
+from steering_plant.model.slots import (
+    left_command,
+    right_command,
+    sampled_states,
+    supply_pressure,
+)
+from steering_plant.model.states import LEFT_SOLENOID, LOAD_FORCE, PUMP, RIGHT_SOLENOID
 
 WORK_ROWS = 6
 """Rows of the work array: four slopes, the new state and the stage's state."""
@@ -92,7 +97,12 @@ def simulate(par, table, e, scale, at, given, slopes, held, rise, y, u, work, fl
         row = tick - 1 if last else tick
         for i in range(u.shape[0]):
             u[i] = held[tick, i]
-        slope(p, table, e, at, given, slopes, row, 1.0 if last else 0.0, held, rise, y, u, k1, flows)
+        sampled_states(y, u, e)
+        u[LEFT_SOLENOID] = left_command(u[LEFT_SOLENOID], y, e)
+        u[RIGHT_SOLENOID] = right_command(u[RIGHT_SOLENOID], y, e)
+        slope(
+            p, table, e, at, given, slopes, row, 1.0 if last else 0.0, held, rise, y, u, k1, flows
+        )
         keep(p, e, y, k1, flows, tick * TICK, trace[tick])
         if last:
             return OK, tick

@@ -1,0 +1,130 @@
+"""The replay against the bench itself: what it reproduces, and where it sees each effect."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bench_records import NOISE, bench_record
+
+from steering_core.errors import BenchError
+from steering_diagnosis.steering.replay import UNSETTLED, SteeringReplay
+
+SYSTEMS = ("open_centre", "closed_centre")
+INTEGRATION_ERROR = {
+    "torsion_bar_torque": 5e-4,
+    "rack_position": 1e-7,
+    "rack_speed": 5e-5,
+    "left_pressure": 1e3,
+    "right_pressure": 1e3,
+    "supply_pressure": 1e3,
+    "driver_torque": 0.02,
+    "rack_force": 0.05,
+    "load_force": 0.05,
+}
+"""Tenths of what good sensors' noise would be."""
+
+
+@pytest.fixture(scope="module", params=SYSTEMS)
+def system(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def noisy(system):
+    return SteeringReplay(bench_record(system, noise=NOISE))
+
+
+def by_output(replay, residuals):
+    return {o.name: residuals[UNSETTLED:, i] for i, o in enumerate(replay.outputs)}
+
+
+def test_it_reproduces_the_bench_within_the_integration_error(system):
+    replay = SteeringReplay(bench_record(system))
+    errors = by_output(replay, replay.residuals({}, {}))
+    assert errors.keys() == INTEGRATION_ERROR.keys()
+    for name, error in errors.items():
+        assert np.abs(error).max() < INTEGRATION_ERROR[name], name
+
+
+def test_with_noise_the_residuals_are_the_sensors_noise(noisy):
+    errors = by_output(noisy, noisy.residuals({}, {}))
+    for name, sensor in (
+        ("left_pressure", "left_pressure_sensor"),
+        ("rack_position", "rack_position_sensor"),
+        ("rack_force", "rack_force_sensor"),
+    ):
+        assert np.std(errors[name]) == pytest.approx(NOISE[f"{sensor}.noise"], rel=0.15)
+    assert np.std(errors["torsion_bar_torque"]) < 3.0 * NOISE["torque_sensor.noise"]
+
+
+@pytest.mark.parametrize(
+    ("effect", "given"),
+    [
+        ("torque_sensor_gain", {"gain": 1.05}),
+        ("angle_sensor_delay", {"delay": 4e-3}),
+        ("rack_friction_level", {"factor": 1.8}),
+        ("cross_piston_leakage", {"leakage": 2e-12}),
+        ("pressure_sensor_lag", {"time_constant": 5e-3}),
+        ("rack_force_sensor_gain", {"gain": 1.05}),
+    ],
+)
+def test_an_effect_of_the_bench_is_gone_when_the_replay_has_it_too(system, effect, given):
+    replay = SteeringReplay(bench_record(system, effects={effect: given}))
+    without = by_output(replay, replay.residuals({}, {}))
+    with_it = by_output(replay, replay.residuals({}, {effect: given}))
+    worst = max(without, key=lambda n: np.std(without[n]) / INTEGRATION_ERROR[n])
+    assert np.std(without[worst]) > 10.0 * INTEGRATION_ERROR[worst]
+    assert np.std(with_it[worst]) < 0.05 * np.std(without[worst])
+
+
+def test_a_hidden_parameter_is_gone_when_refitted(system):
+    hidden = {"mechanics.piston_area": 7.1e-4, "mechanics.torsion_bar_stiffness": 61.5}
+    replay = SteeringReplay(bench_record(system, hidden=hidden))
+    before = by_output(replay, replay.residuals({}, {}))["torsion_bar_torque"]
+    after = by_output(replay, replay.residuals(hidden, {}))["torsion_bar_torque"]
+    assert np.std(after) < 0.05 * np.std(before)
+
+
+def test_sensor_effects_need_no_new_simulation(noisy):
+    noisy.residuals({}, {})
+    count = noisy.simulation.count
+    noisy.residuals({"torque_sensor.offset": 0.1}, {"pressure_sensor_lag": {"time_constant": 0.01}})
+    assert noisy.simulation.count == count
+    noisy.residuals({"mechanics.rack_mass": 25.0}, {})
+    assert noisy.simulation.count == count + 1
+
+
+def test_it_is_deterministic_and_travels_to_other_processes(noisy):
+    there = pickle.loads(pickle.dumps(noisy))
+    effects = {"rack_viscous_damping": {"factor": 2.0}}
+    given = noisy.residuals({}, effects)
+    assert np.array_equal(given, there.residuals({}, effects), equal_nan=True)
+
+
+def test_without_the_rack_force_the_load_command_drives(system):
+    record = bench_record(system)
+    channels = {n: v for n, v in record.channels.items() if n != "rack_force"}
+    replay = SteeringReplay(replace(record, channels=channels))
+    errors = by_output(replay, replay.residuals({}, {}))
+    assert np.abs(errors["torsion_bar_torque"]).max() < 0.01
+    undecidable = {u.hypothesis for u in replay.undecidable}
+    assert {"load_cylinder_friction", "rack_force_sensor_gain"} <= undecidable
+
+
+def test_without_any_load_the_rack_is_prescribed(system):
+    record = bench_record(system)
+    load = ("rack_force", "load_force", "load_stiffness", "load_position")
+    channels = {n: v for n, v in record.channels.items() if n not in load}
+    replay = SteeringReplay(replace(record, channels=channels))
+    errors = by_output(replay, replay.residuals({}, {}))
+    assert np.abs(errors["torsion_bar_torque"]).max() < 0.02
+    assert "rack_friction_level" in {u.hypothesis for u in replay.undecidable}
+    assert "rack_friction_level" not in replay.hypotheses
+
+
+def test_without_the_wheel_angle_it_says_what_is_missing():
+    record = bench_record("open_centre", duration=2.0)
+    channels = {n: v for n, v in record.channels.items() if n != "steering_wheel_angle"}
+    with pytest.raises(BenchError, match="steering_wheel_angle"):
+        SteeringReplay(replace(record, channels=channels))
