@@ -10,7 +10,7 @@ from steering_bringup.cores import build_cores
 from steering_bringup.direct.runner import run
 from steering_bringup.errors import BenchError
 from steering_bringup.graphs import build_graph
-from steering_bringup.lane_keeping.lane import lane_at
+from steering_bringup.lane_keeping.lane import lane_offsets
 from steering_bringup.scenario_files import load_node_set, load_scenario
 from steering_bringup.schema import NodeSet
 from vehicle_model.motion_messages import odometry_fields
@@ -92,15 +92,7 @@ def test_an_arbiter_that_nobody_asks_changes_nothing():
 
 def offsets(made, trace):
     """Return the distance [m] from the lane's centre, 100 a second."""
-    along, found = 0.0, []
-    for motion in trace.motion:
-        for _ in range(3):
-            x, y, heading, _ = lane_at(made.lane_keeper.lane, along)
-            ahead, aside = motion[3] - x, motion[4] - y
-            along += ahead * np.cos(heading) + aside * np.sin(heading)
-        x, y, heading, _ = lane_at(made.lane_keeper.lane, along)
-        found.append((motion[4] - y) * np.cos(heading) - (motion[3] - x) * np.sin(heading))
-    return np.array(found)
+    return lane_offsets(made.lane_keeper.lane, trace.motion[:, 3], trace.motion[:, 4])
 
 
 @cache

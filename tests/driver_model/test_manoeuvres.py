@@ -120,15 +120,25 @@ def test_weave_is_the_sine_after_its_entry():
     assert degrees("weave", t) == pytest.approx(20.0 * np.sin(2.0 * np.pi * 0.2 * t))
 
 
-def test_only_free_release_lets_go_and_at_its_time():
+def test_hands_let_go_at_their_times():
     for kind, manoeuvre in DEFAULTS.items():
         released = manoeuvre.released(TIMES)
         assert released.dtype == np.bool_
         assert released.shape == TIMES.shape
-        assert released.any() == (kind == "free_release")
+        assert released.any() == (kind in ("free_release", "lane_change"))
     released = make_manoeuvre("free_release", release_s=3.0).released(TIMES)
     assert TIMES[released][0] == 3.0
     assert released[3000:].all()
+    changing = make_manoeuvre("lane_change", start_s=1.0, change_s=1.5, hold_s=0.5)
+    held = TIMES[~changing.released(TIMES)]
+    assert (held[0], held[-1]) == (1.0, pytest.approx(2.999))
+
+
+def test_a_lane_change_leaves_the_course_as_it_was():
+    """Its angle is odd about its middle, so the yaw rate's integral is none."""
+    angle = make_manoeuvre("lane_change", start_s=1.0, change_s=3.0).angle(TIMES)
+    assert abs(np.sum(angle)) < 1e-9 * np.sum(np.abs(angle))
+    assert np.max(np.abs(angle)) == pytest.approx(np.radians(12.0), rel=1e-3)
 
 
 @pytest.mark.parametrize("kind", MANOEUVRES)
@@ -197,6 +207,7 @@ def drawn(kind: str) -> st.SearchStrategy:
         "ramp": {"angle_deg": amplitudes, "speed_deg_s": frequencies, "blend_s": durations},
         "weave": {"amplitude_deg": amplitudes, "frequency_hz": frequencies, "entry_s": durations},
         "free_release": {"angle_deg": amplitudes, "release_s": st.floats(1.5, 100.0)},
+        "lane_change": {"angle_deg": amplitudes, "start_s": durations, "change_s": durations},
         "hold": {},
     }[kind]
     return st.builds(lambda v: make_manoeuvre(kind, **v), st.fixed_dictionaries(fields))

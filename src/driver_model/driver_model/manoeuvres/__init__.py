@@ -13,6 +13,7 @@ from driver_model.manoeuvres.base import Manoeuvre, ManoeuvreError
 from driver_model.manoeuvres.chirp import Chirp
 from driver_model.manoeuvres.free_release import FreeRelease
 from driver_model.manoeuvres.hold import Hold
+from driver_model.manoeuvres.lane_change import LaneChange
 from driver_model.manoeuvres.on_centre import OnCentre
 from driver_model.manoeuvres.ramp import Ramp
 from driver_model.manoeuvres.step import Step
@@ -21,7 +22,8 @@ from driver_model.manoeuvres.weave import Weave
 from steering_core.naming import unknown
 
 MANOEUVRES: dict[str, type[Manoeuvre]] = {
-    made.kind: made for made in (OnCentre, Chirp, Step, Ramp, Weave, FreeRelease, Hold, Table)
+    made.kind: made
+    for made in (OnCentre, Chirp, Step, Ramp, Weave, FreeRelease, Hold, LaneChange, Table)
 }
 
 __all__ = ["MANOEUVRES", "Manoeuvre", "ManoeuvreError", "load_table", "make_manoeuvre"]

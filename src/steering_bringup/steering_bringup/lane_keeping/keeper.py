@@ -45,7 +45,7 @@ def lane_keeper_step(par, lane, state, out, tick, x, y, sine, cosine, v_x, v_y, 
     lost = abs(offset) > p.largest_offset or v_x < p.slowest_speed
     if lost:
         state[INTEGRAL] = 0.0
-    else:
+    elif abs(offset) < p.integral_offset:  # farther off a driver wants it so, or it is on its way
         integral = state[INTEGRAL] + offset * p.step_time
         state[INTEGRAL] = min(max(integral, -p.largest_integral), p.largest_integral)
     back = p.offset_gain * offset + p.course_gain * course + p.integral_gain * state[INTEGRAL]

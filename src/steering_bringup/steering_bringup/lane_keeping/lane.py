@@ -54,3 +54,20 @@ def lane_table(parameters: ParameterSet) -> np.ndarray:
     middle = 0.5 * (heading[1:] + heading[:-1])
     x, y = (np.concatenate([[0.0], np.cumsum(step(middle) * SPACING)]) for step in (np.cos, np.sin))
     return np.column_stack([x, y, heading, curvature])
+
+
+def lane_offsets(lane: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return how far left of the centre line [m] a car at ``x``, ``y`` [m] is, shape (n,).
+
+    The points follow each other along the lane, some metres apart at most.
+    """
+    along, offsets = 0.0, np.empty(len(x))
+    for k in range(len(x)):
+        for _ in range(3):  # the foot of the perpendicular: the lane bends little on the way
+            lane_x, lane_y, heading, _ = lane_at(lane, along)
+            ahead, aside = x[k] - lane_x, y[k] - lane_y
+            along += ahead * math.cos(heading) + aside * math.sin(heading)
+        lane_x, lane_y, heading, _ = lane_at(lane, along)
+        ahead, aside = x[k] - lane_x, y[k] - lane_y
+        offsets[k] = aside * math.cos(heading) - ahead * math.sin(heading)
+    return offsets
