@@ -10,7 +10,7 @@ from steering_bringup.schema import NodeSet
 from steering_core.naming import unknown
 from steering_lockstep.graph import RECORDER_KIND, Graph, GraphError, NodeSpec, check_graph
 from steering_lockstep.kinds import location
-from steering_lockstep.topics import CREDIT, OVERLAY, TABLE
+from steering_lockstep.topics import APPLIED, CREDIT, OVERLAY, TABLE
 
 RECORDER = "recorder"
 
@@ -60,6 +60,11 @@ def recorded_types(graph: Graph) -> dict[str, str]:
     """Return topic to message type ("package/msg/Name") of all that the graph publishes."""
     topics = [t for node in graph.nodes if node.kind != RECORDER_KIND for t in node.outputs]
     return {topic: TABLE[topic].type_name.replace("/", "/msg/") for topic in topics}
+
+
+def has_arbiter(graph: Graph) -> bool:
+    """Return whether torque overlays are applied in a graph."""
+    return APPLIED in graph.publisher
 
 
 def connections(node_set: NodeSet) -> list[str]:

@@ -83,6 +83,8 @@ def execute(options: argparse.Namespace) -> int:
     report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
     if len(outcomes) == 2 and all(outcome.ok and outcome.bag for outcome in outcomes):
         report["comparison"] = _compare(outcomes, folder / "comparison.html")
+    pages = _overlay_pages(plans, outcomes, folder)
+    report |= {"pages": [str(page) for page in pages]} if pages else {}
     if options.json:
         options.json.parent.mkdir(parents=True, exist_ok=True)
         options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
@@ -178,6 +180,24 @@ def _compare(outcomes: list[Outcome], page: Path) -> dict[str, object]:
     print("\n" + "\n".join(text))
     print(f"page: {page}")
     return numbers
+
+
+def _overlay_pages(plans: list[Plan], outcomes: list[Outcome], folder: Path) -> list[Path]:
+    """Draw a page of each recorded run with an arbiter of torque overlays."""
+    from steering_bringup.graphs import has_arbiter
+
+    pages = []
+    for plan, outcome in zip(plans, outcomes, strict=False):
+        if outcome.bag is not None and outcome.ticks > 1 and has_arbiter(plan.graph):
+            from steering_bringup.bags import read_bag
+            from steering_bringup.overlay_page import write_overlay_page
+
+            many = len(plans) > 1
+            page = folder / (f"overlay_{plan.node_set.name}.html" if many else "overlay.html")
+            write_overlay_page(read_bag(outcome.bag), plan.scenario, plan.node_set, page)
+            print(f"page: {page}")
+            pages.append(page)
+    return pages
 
 
 def _status(outcome: Outcome) -> int:
