@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from steering_core.parameters import load_parameters
 from steering_plant.model.friction import friction_rate, limited
-from steering_plant.model.mechanics import rack_limit
+from steering_plant.model.mechanics import rack_band
 from steering_plant.model.states import LEFT, RACK_FRICTION, RIGHT, VELOCITY
 from steering_plant.plant import Plant, plant_record
 
@@ -99,9 +99,9 @@ def test_the_racks_limit_grows_with_both_pressures(bar, newton):
     par = plant_record(load_parameters(), "open_centre")
     state = np.zeros(10)
     state[[LEFT, RIGHT]] = bar * 1e5
-    assert rack_limit(par[0], state, EFFECTS) == pytest.approx(newton, abs=0.5)
+    assert rack_band(par[0], state, EFFECTS)[1:] == pytest.approx((-newton, newton), abs=0.5)
     state[LEFT], state[RIGHT] = -9e4, 2.0 * bar * 1e5
-    assert rack_limit(par[0], state, EFFECTS) == pytest.approx(newton, abs=0.5)
+    assert rack_band(par[0], state, EFFECTS)[1:] == pytest.approx((-newton, newton), abs=0.5)
 
 
 def test_falling_pressure_releases_the_rack(closed_loop, trajectory):

@@ -78,6 +78,8 @@ class Plant:
     load_cylinder: whether the rig's load cylinder stands in for the ideal load force.
 
     At rest the rack stands in the middle, without load, at the pressures of the static map.
+    ``effects`` holds the effects' parameters, ``effect_positions`` where each (effect, parameter)
+    is in it and ``effect_states`` where each (effect, state) is in ``state``, from the end.
     ``out`` is the measurement of the present tick, shape (9,), order of sensors.CHANNELS;
     ``truth()`` the true states. All arrays are float64 and SI.
     """
@@ -100,6 +102,7 @@ class Plant:
         self.table = boost_table
         self.sensors = sensors.sensor_table(parameters)
         self.effects = added.values
+        self.effect_positions, self.effect_states = added.positions, added.states
         self.names = state_names(valve_system, load_cylinder)
         group = "servo_valve" if valve_system == "servo_valve" else "valve_controller"
         raised = parameters[f"{group}.common_pressure_raise"]

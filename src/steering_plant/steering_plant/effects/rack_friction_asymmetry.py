@@ -5,11 +5,14 @@ from __future__ import annotations
 from steering_core.compiled import kernel
 from steering_plant.effects.base import Effect, Parameter
 
+MOST = 0.9
+"""Share of the friction by which a direction may differ from the mean of both."""
+
 
 @kernel
-def rack_friction_offset(value, coulomb):
-    """Return the middle of the friction's band [N]."""
-    return value + 0.5 * coulomb
+def rack_friction_middle(value, limit, coulomb):
+    """Return the middle of the friction's two limits [N]."""
+    return value + min(max(0.5 * coulomb, -MOST * limit), MOST * limit)
 
 
 @kernel
@@ -31,5 +34,5 @@ EFFECT = Effect(
         "coulomb": Parameter("friction to the left minus to the right", "N", 0, -200, 200, 60),
         "viscous": Parameter("damping to the left minus right", "N s/m", 0, -2e4, 2e4, 3e3),
     },
-    slots={"rack_friction_offset": rack_friction_offset, "rack_force": rack_force},
+    slots={"rack_friction_middle": rack_friction_middle, "rack_force": rack_force},
 )

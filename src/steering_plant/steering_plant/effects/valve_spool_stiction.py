@@ -34,12 +34,12 @@ def right_rate(right_friction, level, right_spool_speed, displacement):
 EFFECT = Effect(
     name="valve_spool_stiction",
     summary="the spools of the pressure control valves stick",
-    sees="chamber pressures in small steps behind slow commands; hysteresis of pressure",
+    sees="pressure at the same command differs with the direction in which load flow changes",
     equation="F' = (level v - F |v|)/displacement, opposing the spool's motion",
     source="H. E. Merritt, Hydraulic Control Systems (1967), section 11-5: spool friction",
     balance="valve spool",
-    excitation="slow reversals of the commanded pressures",
-    separating="slow triangles of command against a blocked rack, with and without dither",
+    excitation="load flow that changes by more than 1 l/min, to and fro",
+    separating="a held command while the rack is moved to and fro at 20 mm/s",
     valve_systems=("closed_centre",),
     parameters={
         "level": Parameter("sliding friction of each spool", "N", 0, 0, 10, 0.5),

@@ -50,10 +50,9 @@ def settle(p, e, y):
 
     Called after every inner step: a chamber pressure that fell has lowered the rack's limit.
     """
-    column, rack = mechanics.column_limit(p, y, e), mechanics.rack_limit(p, y, e)
-    y[COLUMN_FRICTION] = limited(y[COLUMN_FRICTION], column)
-    offset = mechanics.rack_offset(y, e)
-    y[RACK_FRICTION] = limited(y[RACK_FRICTION] - offset, rack) + offset
+    y[COLUMN_FRICTION] = limited(y[COLUMN_FRICTION], mechanics.column_limit(p, y, e))
+    _, least, greatest = mechanics.rack_band(p, y, e)
+    y[RACK_FRICTION] = min(max(y[RACK_FRICTION], least), greatest)
     if p.load_cylinder > 0.0:
         first = int(p.load_cylinder) + PISTON_FRICTION
         y[first] = limited(y[first], load_cylinder.piston_limit(p, y, e))

@@ -19,3 +19,14 @@ def friction_rate(force, limit, velocity, displacement):
 def limited(force, limit):
     """Return ``force`` within +-limit: a falling limit releases the spring, never loads it."""
     return min(max(force, -limit), limit)
+
+
+@kernel
+def yielding_rate(force, nominal, reached, velocity, displacement):
+    """Return dF/dt of the element whose limit ``reached`` depends on the motion.
+
+    dF/dt = (nominal/displacement) (v - F |v|/reached): the spring under it stays as stiff as the
+    nominal one, so that a limit that differs with direction or speed (Stribeck) creates no energy,
+    however small the cycles. With the nominal limit it is ``friction_rate``, bit for bit.
+    """
+    return (nominal * velocity - force * abs(velocity) * (nominal / reached)) / displacement

@@ -5,7 +5,7 @@ from __future__ import annotations
 from steering_core.compiled import kernel
 
 from . import load_cylinder, slots
-from .friction import friction_rate, limited
+from .friction import friction_rate, limited, yielding_rate
 from .states import (
     ANGLE,
     COLUMN_FRICTION,
@@ -29,18 +29,17 @@ def column_limit(p, y, e):
 
 
 @kernel
-def rack_limit(p, y, e):
-    """Return the limit of the rack's friction [N]: level plus slope times the sum of pressures."""
+def rack_band(p, y, e):
+    """Return the rack's friction [N]: nominal limit, least and greatest force.
+
+    Nominally level plus slope times the sum of the pressures, alike in both directions.
+    """
     left, right = y[LEFT], y[RIGHT]
     loaded = max(left, 0.0) + max(right, 0.0)
     nominal = p.rack_friction + p.rack_friction_pressure_slope * loaded
-    return slots.rack_friction_limit(nominal, y[POSITION], y[VELOCITY], left, right, y, e)
-
-
-@kernel
-def rack_offset(y, e):
-    """Return the middle of the rack friction's band [N]: not 0 where directions differ."""
-    return slots.rack_friction_offset(0.0, y[POSITION], y[VELOCITY], y[LEFT], y[RIGHT], y, e)
+    limit = slots.rack_friction_limit(nominal, y[POSITION], y[VELOCITY], left, right, y, e)
+    middle = slots.rack_friction_middle(0.0, limit, y[POSITION], y[VELOCITY], y, e)
+    return nominal, middle - limit, middle + limit
 
 
 @kernel
@@ -76,14 +75,13 @@ def mechanical_rates(p, y, dy, u, torque, e):
     speed, position, velocity = y[SPEED], y[POSITION], y[VELOCITY]
     left, right = y[LEFT], y[RIGHT]
     column = column_limit(p, y, e)
-    rack = rack_limit(p, y, e)
+    nominal, least, greatest = rack_band(p, y, e)
     column_force = limited(y[COLUMN_FRICTION], column)
-    offset = rack_offset(y, e)
-    rack_friction = limited(y[RACK_FRICTION] - offset, rack)
+    rack_force = min(max(y[RACK_FRICTION], least), greatest)
 
     resisting = p.steering_wheel_damping * speed + column_force
     resisting += slots.column_torque(0.0, y[ANGLE], speed, y, e)
-    opposing = p.rack_damping * velocity + (rack_friction + offset) + load(p, u, y, e)
+    opposing = p.rack_damping * velocity + rack_force + load(p, u, y, e)
     opposing += stop_force(p, position, velocity)
     opposing += slots.rack_force(0.0, position, velocity, left, right, y, e)
     assistance = (right - left) * p.piston_area
@@ -93,4 +91,7 @@ def mechanical_rates(p, y, dy, u, torque, e):
     dy[POSITION] = velocity
     dy[VELOCITY] = (assistance + torque * p.gear_ratio - opposing) / p.rack_mass
     dy[COLUMN_FRICTION] = friction_rate(column_force, column, speed, p.column_friction_angle)
-    dy[RACK_FRICTION] = friction_rate(rack_friction, rack, velocity, p.rack_friction_displacement)
+    reached = greatest if velocity > 0.0 else -least
+    dy[RACK_FRICTION] = yielding_rate(
+        rack_force, nominal, reached, velocity, p.rack_friction_displacement
+    )

@@ -42,8 +42,8 @@ def rack_friction_limit(value, position, velocity, left, right, y, e):
 
 
 @kernel
-def rack_friction_offset(value, position, velocity, left, right, y, e):
-    """Middle of the band of the rack's friction element [N], nominally 0."""
+def rack_friction_middle(value, limit, position, velocity, y, e):
+    """Middle of the rack's friction between its limits in both directions [N], nominally 0."""
     return value
 
 
