@@ -76,10 +76,21 @@ class Replay(Protocol):
     ``residuals`` must be deterministic and cheap: the engine calls it some hundred times.
     """
 
-    outputs: tuple[Output, ...]
-    nuisances: tuple[Nuisance, ...]
-    hypotheses: Mapping[str, Hypothesis]
-    period_s: float
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """Predicted channels, the columns of the residuals."""
+
+    @property
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        """Nominal parameters with a tolerance."""
+
+    @property
+    def hypotheses(self) -> Mapping[str, Hypothesis]:
+        """Causes by name."""
+
+    @property
+    def period_s(self) -> float:
+        """Period of the record's grid [s]."""
 
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), SI; NaN where nothing was measured.

@@ -1,0 +1,57 @@
+"""Rivals that the record cannot tell from a cause (Vuong 1989, on blocks)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from steering_diagnosis.engine.fit import Fit, Problem
+from steering_diagnosis.engine.noise import usable
+
+MOST = 3
+EQUAL = 6.0
+"""Difference in misfit within which two models are equally good whatever the blocks say."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A rival against the best. excess: of its misfit. sigmas: the same over its standard error."""
+
+    rival: str
+    excess: float
+    sigmas: float
+    cosine: float
+
+
+def compare(problem: Problem, best: Fit, other: Fit, cause: str, block: np.ndarray) -> Comparison:
+    """Compare the model with a rival in the place of ``cause`` to the best model."""
+    (rival,) = other.names - best.names
+    difference = block_scores(problem, other, block) - block_scores(problem, best, block)
+    spread = np.sqrt(len(difference)) * difference.std(ddof=1)
+    excess = other.misfit - best.misfit
+    return Comparison(rival, excess, float(excess / (spread + 1e-9)), cosine(problem, best, other))
+
+
+def block_scores(problem: Problem, fit: Fit, block: np.ndarray) -> np.ndarray:
+    """Return minus twice the log-likelihood of each block of the whole record, (blocks,)."""
+    rows = usable(problem.valid, fit.noise.order)
+    white = fit.noise.whiten(fit.residual)
+    each = np.where(rows, white**2 + np.log(fit.noise.sd**2), 0.0).sum(axis=1)
+    return np.bincount(block, each) * problem.runs.grid.density
+
+
+def cosine(problem: Problem, best: Fit, other: Fit) -> float:
+    """Return how alike two models' corrections are: of what each removes beyond the shared part."""
+    both = best.names & other.names
+    del both
+    weights = problem.weights()
+    a = best.noise.whiten(best.residual) * weights
+    b = best.noise.whiten(other.residual) * weights
+    return float(1.0 - np.linalg.norm(a - b) / (np.linalg.norm(a) + np.linalg.norm(b) + 1e-300))
+
+
+def as_good(found: list[Comparison], sigmas: float) -> list[Comparison]:
+    """Return the rivals that are as good as the best, best first, at most two."""
+    equal = [c for c in found if c.excess < EQUAL or c.sigmas < sigmas]
+    return sorted(equal, key=lambda c: c.excess)[: MOST - 1]

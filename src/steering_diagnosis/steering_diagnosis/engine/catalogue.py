@@ -1,0 +1,109 @@
+"""The coordinates of the search: nuisances in standard deviations, hypotheses in typical sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from steering_diagnosis.engine.evaluate import Call
+from steering_diagnosis.engine.model import (
+    Hypothesis,
+    HypothesisParameter,
+    Nuisance,
+    Replay,
+)
+
+PREFIX = "parameter:"
+"""Of the hypothesis that a nominal parameter is wrong."""
+
+Values = Mapping[str, np.ndarray]
+"""Active hypotheses with their parameters' values, in the order of ``Hypothesis.parameters``."""
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Nuisances and hypotheses of a replay, wrong nominal parameters included."""
+
+    nuisances: tuple[Nuisance, ...]
+    hypotheses: Mapping[str, Hypothesis]
+
+    @cached_property
+    def deviation(self) -> np.ndarray:
+        """Standard deviations of the nuisances, (p,)."""
+        return np.array([0.5 * n.tolerance for n in self.nuisances])
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Return the position of each nuisance."""
+        return {n.name: i for i, n in enumerate(self.nuisances)}
+
+    def nuisance_of(self, hypothesis: str) -> str | None:
+        """Return the nuisance that the hypothesis ``parameter:...`` is about."""
+        return hypothesis.removeprefix(PREFIX) if hypothesis.startswith(PREFIX) else None
+
+    def call(self, z: np.ndarray, values: Values) -> Call:
+        """Return the call for nuisances ``z`` [standard deviations] and active hypotheses."""
+        absolute = {
+            n.name: n.nominal + z[i] * self.deviation[i]
+            for i, n in enumerate(self.nuisances)
+            if z[i] != 0.0
+        }
+        effects = {}
+        for name, value in values.items():
+            nuisance = self.nuisance_of(name)
+            if nuisance is None:
+                parameters = self.hypotheses[name].parameters
+                effects[name] = {p.name: float(v) for p, v in zip(parameters, value, strict=True)}
+            else:
+                absolute[nuisance] = float(value[0])
+        return Call(absolute, effects)
+
+
+def catalogue(replay: Replay) -> Catalogue:
+    """Return the replay's catalogue; toleranced parameters that no effect covers are hypotheses."""
+    covered = {c for h in replay.hypotheses.values() for c in h.competes}
+    hypotheses = dict(replay.hypotheses)
+    balances = {o.name: o.balance for o in replay.outputs}
+    for n in replay.nuisances:
+        if n.name not in covered and n.tolerance > 0.0:
+            hypotheses[PREFIX + n.name] = _wrong_parameter(n, next(iter(balances.values())))
+    kept = tuple(n for n in replay.nuisances if n.tolerance > 0.0)
+    return Catalogue(kept, hypotheses)
+
+
+def _wrong_parameter(n: Nuisance, balance: str) -> Hypothesis:
+    """Return the hypothesis that a nominal parameter is beyond its tolerance."""
+    reach = 20.0 * n.tolerance
+    low, high = n.nominal - reach, n.nominal + reach
+    if n.nominal != 0.0 and abs(n.nominal) < reach:
+        # A positive parameter stays positive.
+        low, high = sorted((0.02 * n.nominal, n.nominal * (1.0 + reach / abs(n.nominal))))
+    parameter = HypothesisParameter(
+        n.name, n.unit, n.nominal, low, high, n.nominal + 2.0 * n.tolerance
+    )
+    return Hypothesis(
+        PREFIX + n.name,
+        f"the nominal value of {n.name} is wrong",
+        balance,
+        (parameter,),
+        competes=(n.name,),
+    )
+
+
+def scale(p: HypothesisParameter) -> float:
+    """Return the size of one unit of a hypothesis's coordinate."""
+    size = abs(p.typical - p.neutral)
+    return size if size > 0.0 else (abs(p.typical) or 0.1 * (p.high - p.low))
+
+
+def scales(h: Hypothesis) -> np.ndarray:
+    """Return the units of a hypothesis's coordinates, (k,)."""
+    return np.array([scale(p) for p in h.parameters])
+
+
+def bounds(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower and upper bounds of a hypothesis's parameters, (k,) each."""
+    return np.array([p.low for p in h.parameters]), np.array([p.high for p in h.parameters])

@@ -1,0 +1,312 @@
+"""From the best model to the answer: causes, ambiguity, what remains, and why rivals lost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from steering_diagnosis.engine.ambiguity import Comparison, as_good, compare
+from steering_diagnosis.engine.evidence import Evidence, HeldOut
+from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Region, Rms
+from steering_diagnosis.engine.fit import Fit
+from steering_diagnosis.engine.intervals import intervals
+from steering_diagnosis.engine.model import Replay
+from steering_diagnosis.engine.search import Search
+from steering_diagnosis.engine.structure import (
+    Remains,
+    Structure,
+    band,
+    free_form,
+    region,
+    structures,
+)
+from steering_diagnosis.report import Verdict
+
+
+def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
+    """Judge the best model of a search and gather everything that a report needs."""
+    problem, null = search.problem, search.null
+    remains = _remains(search, best, block)
+    left = structures(remains)
+    noise = noise_energy(remains, left)
+    notes: tuple[str, ...] = ()
+    explained = explained_share(problem, null, best, noise)
+    if best.values and explained < problem.settings.least_explained:
+        dropped = f"the best causes explain only {explained:.0%} of the error"
+        best, notes = null, (f"{dropped}: {', '.join(sorted(best.names))}",)
+        remains = _remains(search, best, block)
+        left = structures(remains)
+    evidence = {n: search.weigh(search.without(best, n), best) for n in sorted(best.names)}
+    rivals = {n: _rivals(search, best, n, block) for n in sorted(best.names)}
+    causes = _causes(search, best, evidence, rivals, block, noise)
+    regions = _regions(search, best, remains, left, noise) + _second(search, best)
+    term = free_form(remains, max(left, key=lambda s: s.energy / s.noise)) if left else None
+    undecidable = _undecidable(search)
+    visible = bool(regions)
+    book = problem.book
+    call, call0 = book.call(best.z, best.values), book.call(null.z, null.values)
+    nominal = problem.known(problem.runs.one(book.call(0.0 * null.z, {})))
+    first = search.scores(null)
+    return Findings(
+        verdict=_verdict(causes, visible, len(undecidable) == len(book.hypotheses)),
+        causes=causes,
+        unexplained=tuple(regions),
+        losers=_losers(search, best, evidence, rivals),
+        free_form=term,
+        outputs=tuple(problem.runs.replay.outputs),
+        catalogue=book.nuisances,
+        refitted=call0.nuisances,
+        nuisances=call.nuisances,
+        effects=call.effects,
+        fitted=_rms(search, noise, nominal, null, best, problem.training),
+        held_out=_held_rms(search, noise, nominal, null, best),
+        undecidable=undecidable,
+        explained=explained if best.values else 0.0,
+        calls=problem.runs.calls,
+        step_s=problem.runs.grid.step_s,
+        held_out_samples=_samples_out(search, len(block)),
+        residual_nominal=nominal,
+        residual_refitted=null.residual,
+        residual_extended=best.residual,
+        largest_ratio=first[0].gain if first else 0.0,
+        largest_parameters=len(book.hypotheses[first[0].hypothesis].parameters) if first else 1,
+        trials=len(search.trials),
+        notes=notes,
+    )
+
+
+def _samples_out(search: Search, samples: int) -> np.ndarray:
+    """Return which samples of the fitted record were held out, (samples,)."""
+    if search.held.runs is not None:
+        return np.zeros(samples, bool)
+    return np.asarray(search.held.rows.any(axis=1))
+
+
+def noise_energy(remains: Remains, left: list[Structure]) -> np.ndarray:
+    """Return the mean square of each output that is noise, (outputs,)."""
+    count = np.maximum(remains.valid.sum(axis=0), 1)
+    noise = np.where(remains.valid, remains.residual**2, 0.0).sum(axis=0) / count
+    for s in left:
+        noise[s.output] = s.noise
+    return np.maximum(noise, remains.floor**2)
+
+
+def explained_share(problem, null: Fit, best: Fit, noise: np.ndarray) -> float:  # type: ignore[no-untyped-def]
+    """Return the share of the refitted model's error energy above the noise that is explained."""
+    before, after = _energy(null.residual, problem.valid), _energy(best.residual, problem.valid)
+    above = np.maximum(before - noise, 0.0) / noise
+    return float(((before - after) / noise).sum() / max(above.sum(), 1e-12))
+
+
+def _energy(residual: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return np.where(rows, residual**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1)
+
+
+def _remains(search: Search, best: Fit, block: np.ndarray) -> Remains:
+    p = search.problem
+    return Remains(
+        p.runs.replay.outputs,
+        best.residual,
+        p.valid,
+        block,
+        _states(p.runs.replay, p.runs.grid),
+        p.floor,
+        p.settings.noise_order,
+        p.runs.grid.density,
+    )
+
+
+def _states(replay: Replay, grid) -> dict[str, np.ndarray]:  # type: ignore[no-untyped-def]
+    return {name: grid.reduce(np.asarray(x, float)) for name, x in replay.states().items()}
+
+
+def _rivals(search: Search, best: Fit, cause: str, block: np.ndarray) -> list[Comparison]:
+    """Return every refitted rival in the place of a cause, against the best model."""
+    base = search.without(best, cause)
+    search.extended(base, search.problem.settings.refitted)
+    names = [n for n in search.fits if len(n) == len(best.names) and n - best.names]
+    others = [search.fits[n] for n in names if n > base.names and cause not in n]
+    return [compare(search.problem, best, other, cause, block) for other in others]
+
+
+def _causes(
+    search: Search,
+    best: Fit,
+    evidence: Mapping[str, Evidence],
+    rivals: Mapping[str, list[Comparison]],
+    block: np.ndarray,
+    noise: np.ndarray,
+) -> tuple[NamedCause, ...]:
+    estimates = intervals(search.problem, best, block)
+    found = []
+    for name in sorted(best.names, key=lambda n: -evidence[n].ratio):
+        h = search.problem.book.hypotheses[name]
+        group = tuple(c.rival for c in as_good(rivals[name], search.problem.settings.rival_sigmas))
+        found.append(
+            NamedCause(
+                h,
+                estimates[name],
+                evidence[name],
+                group,
+                _separating(search, name, group),
+                _gain(search, search.without(best, name), best, noise),
+            )
+        )
+    return tuple(found)
+
+
+def _separating(search: Search, name: str, group: tuple[str, ...]) -> str | None:
+    """Return what experiment separates a group, from what its members ask for."""
+    if not group:
+        return None
+    members = [search.problem.book.hypotheses[n] for n in (name, *group)]
+    texts = [h.separating or h.excitation for h in members]
+    known = list(dict.fromkeys(t for t in texts if t))
+    return "; ".join(known) or f"an experiment that excites {', '.join(h.name for h in members)}"
+
+
+def _gain(search: Search, without: Fit, full: Fit, noise: np.ndarray) -> dict[str, float]:
+    held, problem = search.held, search.problem
+    before = held.energy(held.residual(problem, without))
+    after = held.energy(held.residual(problem, full))
+    found = {}
+    for j, output in enumerate(problem.runs.replay.outputs):
+        above = before[j] - noise[j]
+        if above > 0.25 * noise[j]:
+            found[output.name] = float(np.clip((before[j] - after[j]) / above, -1.0, 1.0))
+    return found
+
+
+def _regions(
+    search: Search, best: Fit, remains: Remains, left: list[Structure], noise: np.ndarray
+) -> list[Region]:
+    before = _energy(search.null.residual, search.problem.valid)
+    step = search.problem.runs.grid.step_s
+    least = search.problem.settings.least_unexplained
+    return _named_regions(remains, left, before, noise, step, least, "fitted record")
+
+
+def _second(search: Search, best: Fit) -> list[Region]:
+    """Return what remains on a second record."""
+    held, p = search.held, search.problem
+    if held.runs is None:
+        return []
+    residual = held.residual(p, best)
+    remains = Remains(
+        held.runs.replay.outputs,
+        residual,
+        held.valid,
+        held.block,
+        _states(held.runs.replay, held.runs.grid),
+        p.floor,
+        p.settings.noise_order,
+        held.runs.grid.density,
+    )
+    left = structures(remains)
+    before = held.energy(held.residual(p, search.null))
+    noise = noise_energy(remains, left)
+    least, step = p.settings.least_unexplained, held.runs.grid.step_s
+    return _named_regions(remains, left, before, noise, step, least, "held-out record")
+
+
+def _named_regions(
+    remains: Remains,
+    left: list[Structure],
+    before: np.ndarray,
+    noise: np.ndarray,
+    step: float,
+    least: float,
+    where: str,
+) -> list[Region]:
+    found = []
+    for s in left:
+        share = float(np.clip(s.energy / max(before[s.output] - noise[s.output], s.energy), 0, 1))
+        if share >= least:
+            output = remains.outputs[s.output]
+            found.append(
+                Region(
+                    output.balance,
+                    output.name,
+                    band(s.part, step),
+                    region(s.part, remains.states),
+                    share,
+                    where,
+                )
+            )
+    return sorted(found, key=lambda r: -r.share)
+
+
+def _undecidable(search: Search) -> dict[str, str]:
+    """Return hypotheses whose visible size moves nothing above the noise."""
+    problem, noise = search.problem, search.problem.noise(search.null.residual)
+    strongest: dict[str, float] = {}
+    for t in search.trials:
+        white = noise.whiten(problem.known_columns(t)) * problem.weights()[..., None]
+        energy = float(np.sum(white**2, axis=(0, 1)).max())
+        strongest[t.hypothesis] = max(strongest.get(t.hypothesis, 0.0), energy)
+    found = {}
+    for name, energy in strongest.items():
+        if energy < 9.0:
+            needs = problem.book.hypotheses[name].excitation
+            found[name] = "a visible size moves nothing above the noise in this record" + (
+                f"; needs {needs}" if needs else ""
+            )
+    return found
+
+
+def _losers(
+    search: Search,
+    best: Fit,
+    evidence: Mapping[str, Evidence],
+    rivals: Mapping[str, list[Comparison]],
+) -> tuple[Loser, ...]:
+    """Return every hypothesis that was weighed and not named, best first."""
+    found: dict[str, Loser] = {}
+    for cause, compared in rivals.items():
+        for c in compared:
+            worse = f"fits worse than {cause} by {c.excess:.1f} ({c.sigmas:.1f} sigma)"
+            found[c.rival] = Loser(c.rival, evidence[cause].ratio - c.excess, worse)
+    for score in search.scores(best):
+        name = score.hypothesis
+        if name in best.names or name in found:
+            continue
+        fit = search.fits.get(best.names | {name})
+        why = search.weigh(best, fit).why_not if fit else "adds too little to what is found"
+        found[name] = Loser(name, score.gain, why or "not kept by the search")
+    for score in search.scores(search.null):
+        if score.hypothesis not in best.names:
+            text = "explains less than what is named" if best.names else "explains too little"
+            found.setdefault(score.hypothesis, Loser(score.hypothesis, score.gain, text))
+    return tuple(sorted(found.values(), key=lambda r: (-r.score, r.hypothesis)))
+
+
+def _verdict(causes: tuple[NamedCause, ...], visible: bool, blind: bool) -> Verdict:
+    if causes:
+        return "ambiguous" if any(c.ambiguous_with for c in causes) else "named"
+    if visible:
+        return "unexplained"
+    return "insufficient_excitation" if blind else "clean"
+
+
+def _rms(
+    search: Search, noise: np.ndarray, nominal: np.ndarray, null: Fit, best: Fit, rows: np.ndarray
+) -> dict[str, Rms]:
+    parts = [np.sqrt(_energy(r, rows)) for r in (nominal, null.residual, best.residual)]
+    return _named_rms(search, np.sqrt(noise), parts)
+
+
+def _held_rms(
+    search: Search, noise: np.ndarray, nominal: np.ndarray, null: Fit, best: Fit
+) -> dict[str, Rms]:
+    held: HeldOut = search.held
+    plain = Fit(0.0 * null.z, {}, nominal, null.noise, 0.0)
+    parts = [np.sqrt(held.energy(held.residual(search.problem, f))) for f in (plain, null, best)]
+    return _named_rms(search, np.sqrt(noise), parts)
+
+
+def _named_rms(search: Search, noise: np.ndarray, parts: list[np.ndarray]) -> dict[str, Rms]:
+    return {
+        o.name: Rms(float(noise[j]), *(float(p[j]) for p in parts))
+        for j, o in enumerate(search.problem.runs.replay.outputs)
+    }

@@ -1,0 +1,109 @@
+"""The engine's entry: from a replay to what is wrong with its model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+
+import numpy as np
+
+from steering_diagnosis.engine.catalogue import Catalogue, catalogue
+from steering_diagnosis.engine.conclude import conclude
+from steering_diagnosis.engine.evaluate import Call, Evaluator
+from steering_diagnosis.engine.evidence import HeldOut
+from steering_diagnosis.engine.findings import Findings
+from steering_diagnosis.engine.fit import Problem, refit
+from steering_diagnosis.engine.model import Replay
+from steering_diagnosis.engine.sampling import blocks, held_out, sampling
+from steering_diagnosis.engine.search import Search
+from steering_diagnosis.engine.settings import Settings
+from steering_diagnosis.engine.templates import Template, nuisance_columns, templates
+
+Progress = Callable[[float, str], None]
+"""Called with the share done (0 to 1) and what is being done."""
+
+
+def diagnose(
+    fit: Replay,
+    holdout: Replay | None = None,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    settings: Settings | None = None,
+) -> Findings:
+    """Find the causes of the replay's error, or say what cannot be explained.
+
+    holdout: the same model bound to another record; without it, blocks of the record are held out.
+    executor: where replays run; replays are pickled to it. BenchError: too few samples.
+    """
+    settings = settings or Settings()
+    tell = progress or (lambda share, text: None)
+    grid = sampling(_length(fit), fit.period_s, settings)
+    book = catalogue(fit)
+    expected = _expected_calls(book, settings)
+    runs = Evaluator(
+        fit, grid, executor, lambda calls: tell(min(0.98, calls / expected), "replaying")
+    )
+    base = runs.one(Call())
+    nuisance = nuisance_columns(runs, book, base)
+    trials = templates(runs, book, base, nuisance, settings.shape_grid)
+    block = blocks(len(base), grid.step_s, settings)
+    out = held_out(block, settings.held_out_every) if holdout is None else np.zeros(len(base), bool)
+    valid = np.isfinite(base)
+    problem = Problem(
+        runs=runs,
+        book=book,
+        settings=settings,
+        nuisance=np.where(valid[..., None], nuisance, 0.0),
+        valid=valid,
+        training=valid & ~out[:, None],
+        floor=resolution(base, nuisance, trials, settings),
+    )
+    held = (
+        HeldOut(None, valid, block, valid & out[:, None])
+        if holdout is None
+        else _second_record(holdout, settings, executor)
+    )
+    null = refit(problem, np.zeros(len(book.nuisances)), {})
+    search = Search(problem, held, trials, null, lambda name: tell(_share(runs, expected), name))
+    findings = conclude(search, search.best(), block)
+    tell(1.0, "done")
+    return findings
+
+
+def resolution(
+    base: np.ndarray, nuisance: np.ndarray, trials: Sequence[Template], settings: Settings
+) -> np.ndarray:
+    """Return the error of each output that is never judged, (outputs,).
+
+    A share of what the tolerances scatter: without it a noise-free record would resolve the
+    difference of two solvers. Where no tolerance shows, a share of the largest hypothesis.
+    """
+    scatter = np.sqrt(np.nanmean(np.sum(nuisance**2, axis=-1), axis=0))
+    largest = np.max(
+        [np.sqrt(np.nanmean(np.sum(t.columns**2, axis=-1), axis=0)) for t in trials]
+        or [np.zeros(base.shape[1])],
+        axis=0,
+    )
+    floor = settings.resolution * np.where(scatter > 0.0, scatter, 0.1 * largest)
+    return np.where(floor > 0.0, floor, 1e-6 * np.sqrt(np.nanmean(base**2, axis=0)) + 1e-300)
+
+
+def _second_record(replay: Replay, settings: Settings, executor: Executor | None) -> HeldOut:
+    grid = sampling(_length(replay), replay.period_s, settings)
+    runs = Evaluator(replay, grid, executor)
+    valid = np.isfinite(runs.one(Call()))
+    return HeldOut(runs, valid, blocks(len(valid), grid.step_s, settings), valid)
+
+
+def _length(replay: Replay) -> int:
+    return len(next(iter(replay.states().values())))
+
+
+def _expected_calls(book: Catalogue, settings: Settings) -> int:
+    parameters = sum(len(h.parameters) for h in book.hypotheses.values())
+    return 40 + len(book.nuisances) + 2 * parameters + 8 * settings.refitted
+
+
+def _share(runs: Evaluator, expected: int) -> float:
+    return min(0.98, runs.calls / expected)

@@ -1,0 +1,211 @@
+"""A model fitted to the record: nuisances and hypotheses by Gauss-Newton under coloured noise.
+
+Maximum a posteriori with a Gaussian prior on the nuisances (standard deviation half the tolerance)
+and the noise model concentrated out (Ljung: System Identification, 10.2; Seber, Wild: Nonlinear
+Regression, ch. 6). The nuisances' columns stay those of the nominal model (chord method), those of
+the hypotheses are renewed at every step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from steering_diagnosis.engine.catalogue import Catalogue, Values, bounds, scales
+from steering_diagnosis.engine.evaluate import Evaluator
+from steering_diagnosis.engine.noise import Noise, fit_noise, usable
+from steering_diagnosis.engine.settings import Settings
+from steering_diagnosis.engine.templates import Template
+
+STEP = 0.05
+"""Step of the hypotheses' differences, in typical sizes."""
+SMALL = 0.5
+"""Gain in twice the log-likelihood at which the iteration ends."""
+FURTHEST = 8.0
+"""A nuisance moves at most so many standard deviations."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Everything that stays fixed while models are fitted to one record.
+
+    nuisance: columns of the nuisances, (n, outputs, p). valid, training: (n, outputs) bool.
+    floor: resolution of each output, see ``Settings.resolution``.
+    """
+
+    runs: Evaluator
+    book: Catalogue
+    settings: Settings
+    nuisance: np.ndarray
+    valid: np.ndarray
+    training: np.ndarray
+    floor: np.ndarray
+
+    def noise(self, residual: np.ndarray) -> Noise:
+        """Fit the noise to a residual on the training samples."""
+        s = self.settings
+        rows = usable(self.valid, s.noise_order) & self.training
+        return fit_noise(residual, rows, self.floor, s.noise_order, self.runs.grid.density)
+
+    def weights(self) -> np.ndarray:
+        """Return the weight of each whitened sample, (n, outputs)."""
+        rows = usable(self.valid, self.settings.noise_order) & self.training
+        return np.sqrt(rows * self.runs.grid.density)
+
+    def residual(self, z: np.ndarray, values: Values) -> np.ndarray:
+        """Return one residual with unknown samples zero."""
+        return self.known(self.runs.one(self.book.call(z, values)))
+
+    def known(self, residual: np.ndarray) -> np.ndarray:
+        """Return a residual with unknown samples zero."""
+        return np.where(self.valid, residual, 0.0)
+
+    def known_columns(self, trial: Template) -> np.ndarray:
+        """Return a template's columns with unknown samples zero, (n, outputs, k)."""
+        return np.where(self.valid[..., None], trial.columns, 0.0)
+
+
+@dataclass(frozen=True, repr=False)
+class Fit:
+    """A fitted model. z: nuisances [standard deviations], (p,). misfit: -2 log posterior."""
+
+    z: np.ndarray
+    values: Values
+    residual: np.ndarray
+    noise: Noise
+    misfit: float
+    columns: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The active hypotheses."""
+        return frozenset(self.values)
+
+
+def assess(problem: Problem, z: np.ndarray, values: Values, residual: np.ndarray) -> Fit:
+    """Return the fit with its noise at given parameters."""
+    noise = problem.noise(residual)
+    return Fit(z, values, residual, noise, noise.misfit + float(z @ z))
+
+
+def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | None = None) -> Fit:
+    """Fit nuisances and the parameters of the active hypotheses, from a starting point."""
+    z = held(problem.book, z, values)
+    now = assess(problem, z, values, problem.residual(z, values))
+    for _ in range(iterations or problem.settings.iterations):
+        columns = renew(problem, now)
+        step_z, step_values, promised = gauss_newton(problem, now, columns)
+        now = Fit(now.z, now.values, now.residual, now.noise, now.misfit, columns)
+        if promised < SMALL:
+            break
+        better = _line_search(problem, now, step_z, step_values)
+        if better is None:
+            break
+        gained = now.misfit - better.misfit
+        now = Fit(better.z, better.values, better.residual, better.noise, better.misfit, columns)
+        if gained < SMALL:
+            break
+    return now
+
+
+def held(book: Catalogue, z: np.ndarray, values: Values) -> np.ndarray:
+    """Return nuisances with those at nominal that a hypothesis is about."""
+    z = z.copy()
+    for name in values:
+        nuisance = book.nuisance_of(name)
+        if nuisance is not None:
+            z[book.index[nuisance]] = 0.0
+    return z
+
+
+def renew(problem: Problem, now: Fit) -> dict[str, np.ndarray]:
+    """Return the columns of the active hypotheses at the present point, per typical size."""
+    book = problem.book
+    calls, keys = [], []
+    for name, value in now.values.items():
+        h = book.hypotheses[name]
+        low, high = bounds(h)
+        for i, size in enumerate(scales(h)):
+            step = STEP * size if value[i] + STEP * size <= high[i] else -STEP * size
+            if value[i] + step < low[i]:
+                step = 0.5 * (high[i] - low[i])
+            moved = value.copy()
+            moved[i] += step
+            calls.append(book.call(now.z, {**now.values, name: moved}))
+            keys.append((name, step / size))
+    found: dict[str, list[np.ndarray]] = {}
+    for (name, step), r in zip(keys, problem.runs.many(calls), strict=True):
+        found.setdefault(name, []).append((problem.known(r) - now.residual) / step)
+    return {name: np.stack(parts, axis=-1) for name, parts in found.items()}
+
+
+def gauss_newton(
+    problem: Problem, now: Fit, columns: Mapping[str, np.ndarray]
+) -> tuple[np.ndarray, dict[str, np.ndarray], float]:
+    """Return the bounded step in nuisances and values, and the gain in misfit it promises."""
+    book, p = problem.book, len(now.z)
+    names = list(now.values)
+    unit = [scales(book.hypotheses[n]) for n in names]
+    stacked = np.concatenate([problem.nuisance, *(columns[n] for n in names)], axis=-1)
+    gram, slope, energy = normal_equations(problem, now, stacked)
+    gram[np.arange(p), np.arange(p)] += 1.0
+    slope[:p] -= now.z
+    energy += float(now.z @ now.z)
+    low, high = np.full(p, -FURTHEST) - now.z, np.full(p, FURTHEST) - now.z
+    for name in names:
+        nuisance = book.nuisance_of(name)
+        if nuisance is not None:
+            low[book.index[nuisance]], high[book.index[nuisance]] = -1e-9, 1e-9
+    for name, u in zip(names, unit, strict=True):
+        least, most = bounds(book.hypotheses[name])
+        low = np.append(low, (least - now.values[name]) / u - 1e-12)
+        high = np.append(high, (most - now.values[name]) / u + 1e-12)
+    step = bounded(gram, slope, low, high)
+    promised = float(2.0 * slope @ step - step @ gram @ step)
+    values, at = {}, p
+    for name, u in zip(names, unit, strict=True):
+        values[name] = step[at : at + len(u)] * u
+        at += len(u)
+    return step[:p], values, promised
+
+
+def normal_equations(
+    problem: Problem, now: Fit, columns: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return gram matrix, slope and energy of whitened columns: minimise |e + C x|^2."""
+    weights = problem.weights()
+    e = now.noise.whiten(now.residual) * weights
+    c = now.noise.whiten(columns) * weights[..., None]
+    flat = c.reshape(-1, columns.shape[-1])
+    return flat.T @ flat, -(flat.T @ e.ravel()), float(np.sum(e * e))
+
+
+def bounded(gram: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Minimise x' G x - 2 b' x within bounds."""
+    ridge = 1e-9 * max(float(np.trace(gram)) / max(len(gram), 1), 1e-300)
+    root = np.linalg.cholesky(gram + ridge * np.eye(len(gram)))
+    target = np.linalg.solve(root, slope)
+    free = np.linalg.solve(root.T, target)
+    if np.all(free >= low) and np.all(free <= high):
+        return free
+    return lsq_linear(root.T, target, (low, high), method="bvls").x
+
+
+def _line_search(
+    problem: Problem, now: Fit, step_z: np.ndarray, step_values: Mapping[str, np.ndarray]
+) -> Fit | None:
+    """Return the first of halved steps that improves, None where none does."""
+    book = problem.book
+    for share in (1.0, 0.4, 0.1):
+        z = now.z + share * step_z
+        values = {
+            n: np.clip(v + share * step_values[n], *bounds(book.hypotheses[n]))
+            for n, v in now.values.items()
+        }
+        trial = assess(problem, z, values, problem.residual(z, values))
+        if trial.misfit < now.misfit:
+            return trial
+    return None

@@ -1,0 +1,85 @@
+"""Intervals of the estimated parameters: block sandwich, prior of the nuisances, form of the law.
+
+The sandwich over blocks stays honest where what remains is coloured or not quite the model's
+(White 1982; Künsch 1989 on blocks). It is never taken smaller than the likelihood's own covariance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from steering_diagnosis.engine.catalogue import bounds, scales
+from steering_diagnosis.engine.fit import Fit, Problem
+from steering_diagnosis.engine.screen import active_columns
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate with its 95 % interval [unit]."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True, repr=False)
+class Covariance:
+    """Covariance of nuisances [standard deviations] and hypotheses [typical sizes].
+
+    matrix: likelihood's, with the prior. blocks: influence of each block, (blocks, p + k).
+    """
+
+    matrix: np.ndarray
+    blocks: np.ndarray
+
+    def deviation(self, index: int) -> tuple[float, int]:
+        """Return the standard deviation of one coordinate, and its degrees of freedom."""
+        count = len(self.blocks)
+        spread = self.blocks[:, index] - self.blocks[:, index].mean()
+        sandwich = count / max(count - 1, 1) * float(spread @ spread)
+        return float(np.sqrt(max(sandwich, self.matrix[index, index]))), max(count - 1, 1)
+
+
+def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
+    """Return the covariance at a fit. block: number of each sample, (n,)."""
+    columns = np.concatenate([problem.nuisance, active_columns(fit)], axis=-1)
+    weights = problem.weights()
+    e = fit.noise.whiten(fit.residual) * weights
+    c = fit.noise.whiten(columns) * weights[..., None]
+    gram = np.tensordot(c, c, ([0, 1], [0, 1]))
+    p = problem.nuisance.shape[-1]
+    gram[np.arange(p), np.arange(p)] += 1.0
+    matrix = np.linalg.pinv(gram, hermitian=True)
+    each = np.einsum("nmk,nm->nk", c, e)
+    used = np.unique(block[weights.any(axis=1)])
+    slopes = np.stack([each[block == b].sum(axis=0) for b in used])
+    return Covariance(matrix, slopes @ matrix)
+
+
+def intervals(problem: Problem, fit: Fit, block: np.ndarray) -> dict[str, dict[str, Interval]]:
+    """Return the estimates of every active hypothesis with their 95 % intervals."""
+    spread = covariance(problem, fit, block)
+    at = problem.nuisance.shape[-1]
+    found: dict[str, dict[str, Interval]] = {}
+    for name, value in fit.values.items():
+        h = problem.book.hypotheses[name]
+        low, high = bounds(h)
+        found[name] = {}
+        for i, (p, size) in enumerate(zip(h.parameters, scales(h), strict=True)):
+            sd, freedom = spread.deviation(at)
+            sd = float(
+                np.hypot(sd * size, problem.settings.form_uncertainty * (value[i] - p.neutral))
+            )
+            half = float(stats.t.ppf(0.975, freedom)) * sd
+            found[name][p.name] = Interval(
+                float(value[i]),
+                float(max(value[i] - half, low[i])),
+                float(min(value[i] + half, high[i])),
+                p.unit,
+            )
+            at += 1
+    return found

@@ -1,0 +1,80 @@
+"""Coloured noise of each output: an autoregression, its likelihood, and whitening.
+
+The autoregression is fitted by least squares to what a model leaves, so that its likelihood counts
+independent samples (Box, Jenkins: Time Series Analysis, ch. 7; Ljung: System Identification, 7.2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Whitening filters: e_t = (r_t - sum_k a_k r_{t-k}) / sd.
+
+    coefficients: (outputs, order). sd: innovations, (outputs,). count: independent samples judged.
+    rms: of the residual itself.
+    """
+
+    coefficients: np.ndarray
+    sd: np.ndarray
+    count: np.ndarray
+    rms: np.ndarray
+
+    @property
+    def order(self) -> int:
+        """Length of the filters."""
+        return self.coefficients.shape[1]
+
+    @property
+    def misfit(self) -> float:
+        """Minus twice the concentrated log-likelihood, up to a constant of the record."""
+        return float(np.sum(self.count * np.log(self.sd**2)))
+
+    def whiten(self, values: np.ndarray) -> np.ndarray:
+        """Return (n, outputs, ...) whitened; the first ``order`` rows are zero."""
+        trailing = (1,) * (values.ndim - 2)
+        white = values[self.order :].copy()
+        for k in range(self.order):
+            a = self.coefficients[:, k].reshape(-1, *trailing)
+            white -= a * values[self.order - 1 - k : len(values) - 1 - k]
+        white /= self.sd.reshape(-1, *trailing)
+        return np.concatenate([np.zeros((self.order, *values.shape[1:])), white])
+
+
+def usable(valid: np.ndarray, order: int) -> np.ndarray:
+    """Return the rows whose whole filter length is valid, (n, outputs)."""
+    rows = valid.copy()
+    rows[:order] = False
+    for k in range(1, order + 1):
+        rows[k:] &= valid[:-k]
+    return rows
+
+
+def fit_noise(
+    residual: np.ndarray, rows: np.ndarray, floor: np.ndarray, order: int, density: float
+) -> Noise:
+    """Fit the autoregressions.
+
+    residual: (n, outputs), zero where unknown. rows: samples to fit, see ``usable``. floor:
+    standard deviation of a white part always assumed, (outputs,): shrinks the filters.
+    density: independent samples per sample.
+    """
+    outputs = residual.shape[1]
+    coefficients = np.zeros((outputs, order))
+    sd, count, rms = np.ones(outputs), np.zeros(outputs), np.zeros(outputs)
+    for j in range(outputs):
+        index = np.flatnonzero(rows[:, j])
+        if len(index) <= 4 * order:
+            continue
+        lags = residual[index[:, None] - np.arange(order + 1), j]
+        moments = lags.T @ lags / len(index) + floor[j] ** 2 * np.eye(order + 1)
+        a = np.linalg.solve(moments[1:, 1:], moments[1:, 0])
+        coefficients[j] = a
+        sd[j] = np.sqrt(max(moments[0, 0] - a @ moments[1:, 0], 0.5 * floor[j] ** 2))
+        count[j] = density * len(index)
+        rms[j] = np.sqrt(moments[0, 0])
+    return Noise(coefficients, sd, count, rms)

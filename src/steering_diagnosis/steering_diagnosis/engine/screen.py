@@ -1,0 +1,176 @@
+"""Screening: the whole catalogue by linear algebra, before any hypothesis is refitted.
+
+Nuisances and the causes already found are projected out of every template (score test, Rao 1948).
+Two noise models are tried: that of the present model, and that of the whole catalogue set free,
+because a large hidden effect would otherwise pass for noise and hide itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from steering_diagnosis.engine.catalogue import bounds
+from steering_diagnosis.engine.fit import Fit, Problem, assess, bounded, normal_equations
+from steering_diagnosis.engine.noise import Noise
+from steering_diagnosis.engine.templates import Template
+
+WIDE = 3.0
+"""In the saturated model every template is free with this prior standard deviation."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """A screened template. gain: in misfit. start: nuisances and values to refit from."""
+
+    hypothesis: str
+    gain: float
+    z: np.ndarray
+    values: dict[str, np.ndarray]
+
+
+def active_columns(now: Fit) -> np.ndarray:
+    """Return the columns of the causes already found, (n, outputs, a)."""
+    parts = [now.columns[n] for n in now.values if n in now.columns]
+    return np.concatenate(parts, axis=-1) if parts else np.zeros((*now.residual.shape, 0))
+
+
+def saturated(problem: Problem, now: Fit, trials: Sequence[Template]) -> np.ndarray:
+    """Return the residual that the whole catalogue, set free, would leave."""
+    columns = _stack(problem, now, trials)
+    p = problem.nuisance.shape[-1]
+    prior = np.r_[np.ones(p), np.full(columns.shape[-1] - p, WIDE**-2)]
+    residual, noise = now.residual, now.noise
+    for _ in range(2):
+        state = Fit(now.z, now.values, now.residual, noise, now.misfit)
+        gram, slope, _ = normal_equations(problem, state, columns)
+        slope[:p] -= now.z
+        x = np.linalg.solve(gram + np.diag(prior), slope)
+        residual = now.residual + columns @ x
+        noise = problem.noise(residual)
+    return residual
+
+
+def screen(
+    problem: Problem, now: Fit, trials: Sequence[Template], noises: Sequence[Noise]
+) -> list[Score]:
+    """Return the hypotheses that may come next, best first, with their own noise refitted."""
+    trials = [t for t in trials if t.hypothesis not in now.values]
+    if not trials:
+        return []
+    columns = _stack(problem, now, trials)
+    chosen: dict[int, None] = {}
+    for noise in noises:
+        state = Fit(now.z, now.values, now.residual, noise, now.misfit)
+        gains = _gains(problem, state, trials, columns)
+        best: dict[str, int] = {}
+        for i in np.argsort(-gains):
+            best.setdefault(trials[i].hypothesis, int(i))
+        chosen.update(dict.fromkeys(list(best.values())[: problem.settings.screened]))
+    scores = [_own_noise(problem, now, trials[i]) for i in chosen]
+    first: dict[str, Score] = {}
+    for s in sorted(scores, key=lambda s: (-s.gain, s.hypothesis)):
+        first.setdefault(s.hypothesis, s)
+    return list(first.values())
+
+
+def pairs(
+    problem: Problem, now: Fit, trials: Sequence[Template], noise: Noise, most: int
+) -> list[tuple[str, str]]:
+    """Return pairs of hypotheses that help together more than alone, best first."""
+    trials = [t for t in trials if t.hypothesis not in now.values]
+    columns = _stack(problem, now, trials)
+    state = Fit(now.z, now.values, now.residual, noise, now.misfit)
+    gram, slope, at = _projected(problem, state, trials, columns)
+    single = {i: _gain(gram, slope, at[i]) for i in range(len(trials))}
+    ranked: dict[tuple[str, str], float] = {}
+    for i in range(len(trials)):
+        for j in range(i):
+            a, b = trials[i].hypothesis, trials[j].hypothesis
+            if a != b:
+                both = _gain(gram, slope, np.r_[at[i], at[j]])
+                pair = (min(a, b), max(a, b))
+                if both > 1.1 * max(single[i], single[j]):
+                    ranked[pair] = max(ranked.get(pair, 0.0), both)
+    return sorted(ranked, key=lambda p: (-ranked[p], p))[:most]
+
+
+def start_of(problem: Problem, now: Fit, trial: Template) -> Score:
+    """Return the linear start of one template from a fit."""
+    return _own_noise(problem, now, trial)
+
+
+def _stack(problem: Problem, now: Fit, trials: Sequence[Template]) -> np.ndarray:
+    parts = [problem.nuisance, active_columns(now), *(problem.known_columns(t) for t in trials)]
+    return np.concatenate(parts, axis=-1)
+
+
+def _projected(
+    problem: Problem, state: Fit, trials: Sequence[Template], columns: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """Return gram and slope of the templates after projection, and each template's positions."""
+    p = problem.nuisance.shape[-1]
+    base = p + active_columns(state).shape[-1]
+    gram, slope, _ = normal_equations(problem, state, columns)
+    gram[np.arange(p), np.arange(p)] += 1.0
+    slope[:p] -= state.z
+    inner = gram[:base, :base] + 1e-9 * np.trace(gram[:base, :base]) / max(base, 1) * np.eye(base)
+    solved = np.linalg.solve(inner, np.c_[gram[:base, base:], slope[:base]])
+    gram_t = gram[base:, base:] - gram[base:, :base] @ solved[:, :-1]
+    slope_t = slope[base:] - gram[base:, :base] @ solved[:, -1]
+    ends = np.cumsum([t.columns.shape[-1] for t in trials])
+    at = [np.arange(e - t.columns.shape[-1], e) for e, t in zip(ends, trials, strict=True)]
+    return gram_t, slope_t, at
+
+
+def _gains(
+    problem: Problem, state: Fit, trials: Sequence[Template], columns: np.ndarray
+) -> np.ndarray:
+    gram, slope, at = _projected(problem, state, trials, columns)
+    gains = np.zeros(len(trials))
+    for i, t in enumerate(trials):
+        g, b = gram[np.ix_(at[i], at[i])], slope[at[i]]
+        if np.trace(g) > 1e-9:
+            low, high = _reach(problem, t)
+            u = bounded(g, b, low, high)
+            gains[i] = 2.0 * b @ u - u @ g @ u
+    return gains
+
+
+def _gain(gram: np.ndarray, slope: np.ndarray, at: np.ndarray) -> float:
+    g = gram[np.ix_(at, at)]
+    return float(slope[at] @ np.linalg.lstsq(g, slope[at], rcond=1e-9)[0])
+
+
+def _reach(problem: Problem, t: Template) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bounds of a template's coordinates."""
+    low, high = bounds(problem.book.hypotheses[t.hypothesis])
+    free = list(t.free)
+    a, b = (low - t.start)[free] / t.unit, (high - t.start)[free] / t.unit
+    return np.minimum(a, b) - 1e-9, np.maximum(a, b) + 1e-9
+
+
+def _own_noise(problem: Problem, now: Fit, trial: Template) -> Score:
+    """Refit one template linearly, its noise included."""
+    columns = _stack(problem, now, [trial])
+    p, k = problem.nuisance.shape[-1], len(trial.free)
+    a = columns.shape[-1] - p - k
+    reach = _reach(problem, trial)
+    low = np.r_[np.full(p + a, -np.inf), reach[0]]
+    high = np.r_[np.full(p + a, np.inf), reach[1]]
+    noise, best = now.noise, now
+    x = np.zeros(columns.shape[-1])
+    for _ in range(2):
+        state = Fit(now.z, now.values, now.residual, noise, now.misfit)
+        gram, slope, _ = normal_equations(problem, state, columns)
+        gram[np.arange(p), np.arange(p)] += 1.0
+        slope[:p] -= now.z
+        x = bounded(gram, slope, low, high)
+        best = assess(problem, now.z + x[:p], now.values, now.residual + columns @ x)
+        noise = best.noise
+    values = {n: v.copy() for n, v in now.values.items()}
+    h = problem.book.hypotheses[trial.hypothesis]
+    values[trial.hypothesis] = np.clip(trial.values(x[-k:]), *bounds(h))
+    return Score(trial.hypothesis, now.misfit - best.misfit, now.z + x[:p], values)

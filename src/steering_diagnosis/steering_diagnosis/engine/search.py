@@ -1,0 +1,153 @@
+"""Forward search with a beam, a pair step, backward elimination and a swap step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from steering_diagnosis.engine.evidence import Evidence, HeldOut, weigh
+from steering_diagnosis.engine.fit import Fit, Problem, refit
+from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
+from steering_diagnosis.engine.templates import Template
+
+CLOSE = 0.6
+"""A hypothesis is refitted only if its linear gain is at least this share of the best."""
+PAIRS = 3
+
+
+@dataclass(repr=False)
+class Search:
+    """State of a search over one record: every model fitted on the way is kept by its causes."""
+
+    problem: Problem
+    held: HeldOut
+    trials: Sequence[Template]
+    null: Fit
+    report: Callable[[str], None] = lambda _: None
+    fits: dict[frozenset[str], Fit] = field(default_factory=dict)
+    screened: dict[frozenset[str], list[Score]] = field(default_factory=dict)
+    floor: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        self.fits[frozenset()] = self.null
+        residual = saturated(self.problem, self.null, self.trials)
+        self._noise = self.problem.noise(residual)
+        self.floor = self._noise.rms**2
+
+    def weigh(self, without: Fit, full: Fit) -> Evidence:
+        """Weigh a model with one more cause."""
+        return weigh(self.problem, self.held, without, full, self.floor, len(self.trials))
+
+    def best(self) -> Fit:
+        """Return the best model whose every cause is real."""
+        final = self.improve(self._forward())
+        while True:
+            reduced = self._without_weakest(final)
+            if reduced is None:
+                return final
+            final = self.improve(reduced)
+
+    def fit(self, names: frozenset[str], z: np.ndarray, values: dict[str, np.ndarray]) -> Fit:
+        """Refit a set of causes from a start, keeping the better of two fits."""
+        found = refit(self.problem, z, values)
+        known = self.fits.get(names)
+        if known is None or found.misfit < known.misfit:
+            self.fits[names] = found
+        return self.fits[names]
+
+    def scores(self, now: Fit) -> list[Score]:
+        """Screen what may come next after a fit, once."""
+        if now.names not in self.screened:
+            noises = [now.noise, self._noise]
+            self.screened[now.names] = screen(self.problem, now, self.trials, noises)
+        return self.screened[now.names]
+
+    def extended(self, now: Fit, most: int) -> list[Fit]:
+        """Return the best one-cause extensions of a fit, refitted."""
+        scores = self.scores(now)
+        if not scores:
+            return []
+        least = CLOSE * scores[0].gain
+        found = []
+        for s in scores[:most]:
+            if s.gain < max(least, 6.0):
+                break
+            names = now.names | {s.hypothesis}
+            known = self.fits.get(names)
+            found.append(known or self.fit(names, s.z, s.values))
+            self.report(s.hypothesis)
+        return sorted(found, key=lambda f: f.misfit)
+
+    def without(self, full: Fit, name: str) -> Fit:
+        """Return the model without one of its causes, refitted."""
+        names = full.names - {name}
+        if names not in self.fits:
+            values = {n: v for n, v in full.values.items() if n != name}
+            self.fit(names, full.z, values)
+        return self.fits[names]
+
+    def improve(self, final: Fit) -> Fit:
+        """Swap step: replace each cause by each of its rivals while that is better."""
+        for _ in range(2):
+            options = [final]
+            for name in sorted(final.names) if len(final.names) > 1 else []:
+                base = self.without(final, name)
+                options += [f for f in self.extended(base, 3) if self._sound(f)]
+            best = min(options, key=lambda f: f.misfit)
+            if best is final:
+                break
+            final = best
+        return final
+
+    def _forward(self) -> Fit:
+        beam, final = [self.null], self.null
+        s = self.problem.settings
+        for depth in range(s.most_causes):
+            passed: dict[frozenset[str], Fit] = {}
+            for now in beam:
+                for full in self.extended(now, s.refitted if depth == 0 else 3):
+                    if full.names not in passed and not self.weigh(now, full).why_not:
+                        passed[full.names] = full
+            if depth == 0:
+                passed.update({f.names: f for f in self._pairs(passed)})
+            if not passed:
+                break
+            ranked = sorted(passed.values(), key=lambda f: f.misfit)
+            beam = ranked[: s.beam]
+            if final.misfit - ranked[0].misfit < 0.0:
+                break
+            final = ranked[0]
+        return final
+
+    def _pairs(self, singles: dict[frozenset[str], Fit]) -> list[Fit]:
+        """Return pairs that are real although neither of the two need be real alone."""
+        best = min((f.misfit for f in singles.values()), default=self.null.misfit)
+        found = []
+        for a, b in pairs(self.problem, self.null, self.trials, self._noise, PAIRS):
+            now = self.null
+            for name in (a, b):
+                options = [t for t in self.trials if t.hypothesis == name]
+                starts = [start_of(self.problem, now, t) for t in options]
+                start = max(starts, key=lambda s: s.gain)
+                if name == b and now.misfit - start.gain > best - 20.0:
+                    break
+                now = self.fit(now.names | {name}, start.z, start.values)
+            if now.names == frozenset((a, b)) and self._sound(now):
+                found.append(now)
+        return found
+
+    def _sound(self, full: Fit) -> bool:
+        """Return whether every cause of a model is real given the others."""
+        return all(not self.weigh(self.without(full, n), full).why_not for n in sorted(full.names))
+
+    def _without_weakest(self, full: Fit) -> Fit | None:
+        """Backward elimination: drop the weakest cause that is not real."""
+        weak = []
+        for name in sorted(full.names):
+            base = self.without(full, name)
+            evidence = self.weigh(base, full)
+            if evidence.why_not:
+                weak.append((evidence.ratio, name))
+        return self.without(full, min(weak)[1]) if weak else None

@@ -1,0 +1,56 @@
+"""The engine's constants; docs/diagnosis_engine.md says where they come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Constants of sampling, search and decision.
+
+    bandwidth_hz: of the common zero-phase low-pass. most_samples: of the decimated grid.
+    block_s: shortest block of the hold-out and of the block statistics. blocks: how many at most.
+    held_out_every: without a second record every such block is held out.
+    noise_order: of the autoregressive noise model. resolution: share of what the tolerances scatter
+    below which an error is never judged.
+    """
+
+    bandwidth_hz: float = 80.0
+    most_samples: int = 12_000
+    block_s: float = 0.5
+    blocks: int = 32
+    held_out_every: int = 4
+    noise_order: int = 8
+    resolution: float = 0.02
+
+    # Search
+    screened: int = 14
+    """Hypotheses that go from the linear screening to the linear refit with their own noise."""
+    refitted: int = 5
+    """Hypotheses that go on to the nonlinear refit."""
+    beam: int = 2
+    most_causes: int = 4
+    iterations: int = 6
+    shape_grid: tuple[float, ...] = (1.0, 0.4, 2.5)
+    """Shape parameters are scanned at these multiples of their typical value."""
+
+    # Decision
+    family_p: float = 1e-3
+    """Probability of a false name on a clean record, over the whole catalogue."""
+    least_share: float = 0.10
+    """Of the error energy above the noise that a cause has to remove on held-out blocks."""
+    least_share_next: float = 0.35
+    """The same for a further cause, of what the others leave."""
+    least_explained: float = 0.55
+    """Share that all causes together have to explain, else nothing is named."""
+    held_out_sigmas: float = 1.7
+    """The held-out gain has to exceed so many of its standard errors."""
+    rival_sigmas: float = 2.0
+    """A rival whose likelihood is within so many standard errors of the best is as good."""
+    collinear: float = 0.95
+    """Rivals are one group from this cosine of their projected sensitivities."""
+    form_uncertainty: float = 0.02
+    """Relative standard deviation of a parameter because the truth follows another formula."""
+    least_unexplained: float = 0.2
+    """Share of the refitted error that is reported as unexplained structure."""

@@ -1,0 +1,199 @@
+"""What remains: is it noise, or structure that no hypothesis explains?
+
+Two tests on whitened residuals, so that coloured noise and slow drift are no structure: smooth
+functions of the states that predict blocks which took no part in their fit, and energy that comes
+and goes with the excitation. Both ask for significance and for a visible size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import signal, stats
+
+from steering_diagnosis.engine.basis import Basis, basis, knots, splines
+from steering_diagnosis.engine.model import Output
+from steering_diagnosis.engine.noise import Noise, fit_noise, usable
+
+FOLDS = 4
+RIDGE = 1e-2
+SIGMAS = 4.0
+VISIBLE = 0.3
+"""Predictable energy over the noise's from which structure is visible."""
+BURSTS = 3.0
+"""Mean energy over the quiet quarter's from which energy is not stationary."""
+
+
+@dataclass(frozen=True, repr=False)
+class Structure:
+    """Structure in one output. part: its time series, (n,). energy, noise: mean squares."""
+
+    output: int
+    energy: float
+    noise: float
+    part: np.ndarray
+    kind: str
+    state: str
+
+
+@dataclass(frozen=True)
+class FreeForm:
+    """A smooth term that predicts held-out blocks: ``output`` += table(state)."""
+
+    output: str
+    balance: str
+    state: str
+    at: tuple[float, ...]
+    value: tuple[float, ...]
+    gain: float
+
+
+@dataclass(frozen=True, repr=False)
+class Remains:
+    """A residual with what is needed to judge it. residual, valid: (n, outputs); block: (n,)."""
+
+    outputs: Sequence[Output]
+    residual: np.ndarray
+    valid: np.ndarray
+    block: np.ndarray
+    states: Mapping[str, np.ndarray]
+    floor: np.ndarray
+    order: int
+    density: float
+
+
+def structures(remains: Remains) -> list[Structure]:
+    """Return the structure in each output, where there is any."""
+    functions = basis(remains.states)
+    found = []
+    for j in range(len(remains.outputs)):
+        if usable(remains.valid, remains.order)[:, j].sum() > 20 * remains.order:
+            structure = _predictable(remains, functions, j) or _bursts(remains, j)
+            if structure is not None:
+                found.append(structure)
+    return found
+
+
+def band(part: np.ndarray, step_s: float) -> tuple[float, float]:
+    """Return the band that holds the middle 80 % of a signal's energy [Hz]."""
+    f, power = signal.periodogram(part, 1.0 / step_s, detrend="constant")
+    share = np.cumsum(power) / max(power.sum(), 1e-300)
+    return float(f[np.searchsorted(share, 0.1)]), float(f[np.searchsorted(share, 0.9)])
+
+
+def region(part: np.ndarray, states: Mapping[str, np.ndarray]) -> str:
+    """Return in words where a signal's energy is concentrated."""
+    best, text = 1.5, "everywhere"
+    for name, x in states.items():
+        edges = np.unique(np.nanquantile(x, np.linspace(0.0, 1.0, 7)))
+        if len(edges) < 4:
+            continue
+        bins = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
+        count = np.maximum(np.bincount(bins, minlength=len(edges) - 1), 1)
+        level = np.bincount(bins, part**2, minlength=len(edges) - 1) / count
+        k = int(np.argmax(level))
+        ratio = level[k] / max(np.mean(part**2), 1e-300)
+        if ratio > best:
+            best, text = ratio, f"{name} from {edges[k]:.3g} to {edges[k + 1]:.3g}"
+    return text
+
+
+def free_form(remains: Remains, structure: Structure) -> FreeForm | None:
+    """Return the best smooth function of one state, if it predicts held-out blocks."""
+    j, best, gain = structure.output, "", 0.1
+    for name, x in remains.states.items():
+        x = np.nan_to_num(x)
+        if np.ptp(x) > 0.0:
+            part, sigmas = _cross_validated(remains, splines(x, knots(x)), j)
+            after = _mean_square(remains, remains.residual[:, j] - part, j)
+            share = 1.0 - after / _mean_square(remains, remains.residual[:, j], j)
+            if sigmas > 2.0 and share > gain:
+                best, gain = name, share
+    if not best:
+        return None
+    x = np.nan_to_num(remains.states[best])
+    columns, rows = splines(x, knots(x)), remains.valid[:, j]
+    weight = np.linalg.lstsq(columns[rows], remains.residual[rows, j], rcond=None)[0]
+    order = np.argsort(x, kind="stable")[np.linspace(0, len(x) - 1, 41).astype(int)]
+    at, kept = np.unique(x[order], return_index=True)
+    value = (columns[order] @ weight)[kept]
+    output = remains.outputs[j]
+    return FreeForm(output.name, output.balance, best, tuple(at), tuple(value), float(gain))
+
+
+def _predictable(remains: Remains, functions: Basis, j: int) -> Structure | None:
+    if functions.columns.size == 0:
+        return None
+    part, sigmas = _cross_validated(remains, functions.columns, j)
+    before = _mean_square(remains, remains.residual[:, j], j)
+    after = _mean_square(remains, remains.residual[:, j] - part, j)
+    if sigmas < SIGMAS or before - after < VISIBLE * (after + remains.floor[j] ** 2):
+        return None
+    return Structure(j, before - after, after, part, "predictable", "")
+
+
+def _bursts(remains: Remains, j: int) -> Structure | None:
+    """Find energy that comes and goes with the excitation, as a mode that pulses excite."""
+    rows = usable(remains.valid, remains.order)[:, j]
+    noise = _noise(remains, remains.residual[:, j], j)
+    white = noise.whiten(remains.residual[:, [j]])[:, 0]
+    count = np.bincount(remains.block, rows)
+    kept = count > 10
+    energy = np.bincount(remains.block, np.where(rows, white**2, 0.0))[kept] / count[kept]
+    excitation = _excitation(remains)[kept]
+    quiet = float(np.quantile(energy, 0.25))
+    rank = stats.spearmanr(energy, excitation) if excitation.std() > 0.0 else None
+    follows = rank is not None and rank.statistic > 0.0 and rank.pvalue < 1e-3
+    if not follows or energy.mean() < BURSTS * quiet:
+        return None
+    total = _mean_square(remains, remains.residual[:, j], j)
+    share = 1.0 - quiet / float(energy.mean())
+    return Structure(j, share * total, (1.0 - share) * total, remains.residual[:, j], "bursts", "")
+
+
+def _excitation(remains: Remains) -> np.ndarray:
+    """Return how fast the states move in each block, (blocks,)."""
+    total = np.zeros(remains.block.max() + 1)
+    for x in remains.states.values():
+        rate = np.abs(np.diff(np.nan_to_num(x), append=np.nan_to_num(x[-1])))
+        if rate.std() > 0.0:
+            total += np.bincount(remains.block, rate / rate.std())
+    return total
+
+
+def _noise(remains: Remains, residual: np.ndarray, j: int) -> Noise:
+    rows = usable(remains.valid, remains.order)[:, [j]]
+    floor = remains.floor[[j]]
+    return fit_noise(residual[:, None], rows, floor, remains.order, remains.density)
+
+
+def _cross_validated(remains: Remains, columns: np.ndarray, j: int) -> tuple[np.ndarray, float]:
+    """Return the prediction of each block from the others, and its gain in standard errors."""
+    rows = usable(remains.valid, remains.order)[:, j]
+    fold = remains.block % FOLDS
+    part = np.zeros(len(rows))
+    gain: np.ndarray = np.zeros(1)
+    for _ in range(2):
+        noise = _noise(remains, remains.residual[:, j] - part, j)
+        white = noise.whiten(remains.residual[:, [j]])[:, 0]
+        c = noise.whiten(columns[:, None, :])[:, 0]
+        grams = [c[m].T @ c[m] for m in (rows & (fold == f) for f in range(FOLDS))]
+        slopes = [c[m].T @ white[m] for m in (rows & (fold == f) for f in range(FOLDS))]
+        total, ridge = sum(grams), RIDGE * np.trace(sum(grams)) / columns.shape[1]
+        predicted = np.zeros(len(rows))
+        part = np.zeros(len(rows))
+        for f in range(FOLDS):
+            kept = total - grams[f] + ridge * np.eye(columns.shape[1])
+            x = np.linalg.solve(kept, sum(slopes) - slopes[f])
+            predicted[fold == f] = c[fold == f] @ x
+            part[fold == f] = columns[fold == f] @ x
+        each = np.where(rows, white**2 - (white - predicted) ** 2, 0.0)
+        gain = np.bincount(remains.block, each)
+    return part, float(gain.sum() / (np.sqrt(len(gain)) * gain.std(ddof=1) + 1e-12))
+
+
+def _mean_square(remains: Remains, values: np.ndarray, j: int) -> float:
+    rows = remains.valid[:, j]
+    return float(np.mean(values[rows] ** 2)) if rows.any() else 0.0

@@ -1,0 +1,97 @@
+"""What a hypothesis does to the residual: secants at its typical size, shapes scanned on a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from steering_diagnosis.engine.catalogue import Catalogue, scale
+from steering_diagnosis.engine.evaluate import Evaluator
+from steering_diagnosis.engine.model import Hypothesis
+
+
+@dataclass(frozen=True)
+class Template:
+    """One trial of a hypothesis: residual changes linearly with the free parameters.
+
+    start: parameter values that the columns start from (free ones neutral), (k,). free: their
+    positions. unit: step of each column. columns: (n, outputs, len(free)).
+    """
+
+    hypothesis: str
+    start: np.ndarray
+    free: tuple[int, ...]
+    unit: np.ndarray
+    columns: np.ndarray
+
+    def values(self, u: np.ndarray) -> np.ndarray:
+        """Return the parameters at the free coordinates ``u``."""
+        value = self.start.copy()
+        value[list(self.free)] += u * self.unit
+        return value
+
+
+def nuisance_columns(runs: Evaluator, book: Catalogue, base: np.ndarray) -> np.ndarray:
+    """Return the change of the residual per standard deviation of each nuisance, (n, m, p)."""
+    unit = np.eye(len(book.nuisances))
+    calls = [book.call(unit[i], {}) for i in range(len(book.nuisances))]
+    if not calls:
+        return np.zeros((*base.shape, 0))
+    return np.stack([r - base for r in runs.many(calls)], axis=-1)
+
+
+def templates(
+    runs: Evaluator,
+    book: Catalogue,
+    base: np.ndarray,
+    nuisance: np.ndarray,
+    grid: Sequence[float],
+) -> list[Template]:
+    """Return the templates of the whole catalogue about the nominal model."""
+    trials = [
+        (h, start, free)
+        for h in book.hypotheses.values()
+        if book.nuisance_of(h.name) is None
+        for start, free in _trials(h, grid)
+    ]
+    none = np.zeros(len(book.nuisances))
+    calls = []
+    for h, start, free in trials:
+        for i in free:
+            value = start.copy()
+            value[i] = h.parameters[i].typical
+            calls.append(book.call(none, {h.name: value}))
+    answers = iter(runs.many(calls))
+    found = []
+    for h, start, free in trials:
+        unit = np.array([h.parameters[i].typical - h.parameters[i].neutral for i in free])
+        columns = np.stack([next(answers) - base for _ in free], axis=-1)
+        found.append(Template(h.name, start, free, unit, columns))
+    for h in book.hypotheses.values():
+        name = book.nuisance_of(h.name)
+        if name is not None:
+            i = book.index[name]
+            unit = np.array([scale(h.parameters[0])])
+            columns = nuisance[:, :, [i]] * (unit[0] / book.deviation[i])
+            found.append(Template(h.name, np.array([h.parameters[0].neutral]), (0,), unit, columns))
+    return found
+
+
+def _trials(h: Hypothesis, grid: Sequence[float]) -> list[tuple[np.ndarray, tuple[int, ...]]]:
+    """Return starting values and free positions: one shape at a time leaves its typical value."""
+    shapes = [i for i, p in enumerate(h.parameters) if p.shape]
+    free = tuple(i for i in range(len(h.parameters)) if i not in shapes)
+    if not free:
+        free, shapes = tuple(range(len(h.parameters))), []
+    start = np.array([p.typical if i in shapes else p.neutral for i, p in enumerate(h.parameters)])
+    found = [start]
+    for i in shapes:
+        p = h.parameters[i]
+        for factor in grid:
+            value = start.copy()
+            value[i] = np.clip(factor * p.typical, p.low, p.high)
+            if not any(np.allclose(value, other) for other in found):
+                found.append(value)
+    return [(value, free) for value in found]
