@@ -22,6 +22,7 @@ setup(
     entry_points={
         "console_scripts": [
             "valve_controller_node = pressure_control.controller_node:main",
+            "load_force_node = pressure_control.load_force_node:main",
             "overlay_arbiter_node = pressure_control.overlay.arbiter_node:main",
         ],
     },

@@ -4,6 +4,7 @@ from hypothesis import settings
 
 from driver_model.driver import Driver
 from pressure_control.controller import ValveController
+from pressure_control.servo_controller import ServoValveController
 from steering_bringup.scenario_files import load_scenario
 from steering_plant.plant import Plant
 from vehicle_model.vehicle import Vehicle
@@ -11,6 +12,11 @@ from vehicle_model.vehicle import Vehicle
 # The first call of a kernel may compile it.
 settings.register_profile("kernels", deadline=None)
 settings.load_profile("kernels")
+
+CONTROLLERS: dict[str, type] = {
+    "closed_centre": ValveController,
+    "servo_valve": ServoValveController,
+}
 
 
 class Loop:
@@ -30,8 +36,8 @@ class Loop:
         p, n = self.parameters, ticks or self.scenario.ticks
         driver = Driver(p, self.scenario.manoeuvre.make(), self.scenario.ticks)
         vehicle = Vehicle(p, self.scenario.load.make(), self.scenario.ticks)
-        closed = self.valve_system == "closed_centre"
-        valves = [ValveController(p, "left"), ValveController(p, "right")] if closed else []
+        kind = CONTROLLERS.get(self.valve_system)
+        valves = [kind(p, "left"), kind(p, "right")] if kind else []
         states, inputs = np.empty((n, len(plant.state))), np.empty((n, 6))
         for tick in range(n):
             states[tick] = plant.state

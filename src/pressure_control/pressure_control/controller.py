@@ -20,6 +20,7 @@ from pressure_control.reference import (
     reference_pressures,
 )
 from pressure_control.schedule import flow_feed_forward, opening_for_flow, scheduled_poles
+from pressure_control.servo_controller import ServoValveController
 from pressure_control.stability import check_sampled_stability
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterSet
@@ -108,6 +109,9 @@ class ValveController:
     map's pressure. Raises ControllerError where the sampled loop would be unstable.
     """
 
+    valve_system = "closed_centre"
+    check_stability = staticmethod(check_sampled_stability)
+
     def __init__(
         self, parameters: ParameterSet, side: Side, boost_table: np.ndarray | None = None
     ) -> None:
@@ -161,8 +165,16 @@ class ValveController:
         return self.out
 
 
-CONTROLLERS = {"pressure_control_valve": ValveController}
-"""Controllers by kind, each called as ``kind(parameters, side, boost_table)``. Register here."""
+CONTROLLERS: dict[str, Any] = {
+    "pressure_control_valve": ValveController,
+    "servo_valve": ServoValveController,
+}
+"""Controllers by kind, each called as ``kind(parameters, side, boost_table)``. Register here.
+
+``valve_system``: what it drives; ``check_stability(parameters, boost_table, delay)`` raises where
+it cannot work. One with ``par``, ``table``, ``state`` and ``out``, and a kernel ``controller_step``
+in its module, runs without ROS as well.
+"""
 
 
 def rest_output(par: np.ndarray, table: np.ndarray) -> tuple[float, float]:

@@ -6,11 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pressure_control.errors import ControllerError
 from pressure_control.operating_point import SteeringPoint, steering_point
 from pressure_control.sampled_loop import spectral_radius
 from steering_core.parameters import ParameterError, ParameterSet
 from steering_core.ticks import TICK_PERIOD
 from steering_plant.boost_curve import FORMULA
+
+__all__ = ["ControllerError", "check_sampled_stability"]
 
 POINTS = ((0.0, 0.0, 1.03), (1.5, 0.04, 1.03), (2.85, 0.001, 1.08))
 """Torsion-bar torque [N m], rack speed [m/s] and growth a tick of the points: at rest, fast through
@@ -19,10 +22,6 @@ the middle, and at the turn of an on-centre cycle.
 Up to that growth friction and the short stay at the point keep the full simulation quiet; beyond
 it limit cycles were seen there. The boost curve's steep end is passed at the turn only.
 """
-
-
-class ControllerError(ValueError):
-    """A choice of controller parameters that cannot work."""
 
 
 def check_sampled_stability(

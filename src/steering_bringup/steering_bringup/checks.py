@@ -16,8 +16,8 @@ def check_physics(plan: Plan) -> None:
     The cores are built and stepped once. So their kernels are compiled and kept on disk before a
     node process needs them within a tick's time-out.
     """
-    from pressure_control.stability import check_sampled_stability
     from steering_bringup.cores import boost_curve, build_cores, step_once
+    from steering_bringup.valve_controllers import check_delayed_stability
     from steering_core.compiled import cache_folder
 
     if not any(cache_folder().rglob("*.nbi")):
@@ -28,7 +28,8 @@ def check_physics(plan: Plan) -> None:
         # Without delays the controllers themselves have just been judged as they were built.
         try:
             table = boost_curve(plan.scenario)
-            check_sampled_stability(plan.scenario.parameter_values(), table, delay)
+            parameters = plan.scenario.parameter_values()
+            check_delayed_stability(plan.node_set, parameters, table, delay)
         except ValueError as error:
             raise BenchError(str(error)) from None
 

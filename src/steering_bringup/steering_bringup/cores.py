@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 
 from driver_model.driver import Driver
-from pressure_control.controller import ValveController
+from pressure_control.load_force import LoadForceController
 from pressure_control.overlay.arbiter import OverlayArbiter
 from steering_bringup.direct.effects import loop_for
 from steering_bringup.direct.runner import Cores
 from steering_bringup.errors import BenchError
 from steering_bringup.lane_keeping.keeper import LaneKeeper
 from steering_bringup.schema import NodeSet, Scenario
+from steering_bringup.valve_controllers import control_modules, valve_controllers
 from steering_core.parameters import ParameterError
-from steering_lockstep.topics import overlay_source
+from steering_lockstep.topics import LOAD_COMMAND, overlay_source
 from steering_plant.effects.models import vehicle_model
 from steering_plant.measured_boost_curve import boost_table
 from steering_plant.plant import Plant
@@ -36,18 +37,19 @@ def _build(scenario: Scenario, node_set: NodeSet) -> Cores:
     parameters, ticks = scenario.parameter_values(), scenario.ticks
     valve_system = node_set.valve_system
     table = boost_curve(scenario)
-    closed = valve_system == "closed_centre"
-    plant = Plant(parameters, valve_system, table, scenario.effects)
+    plant = Plant(parameters, valve_system, table, scenario.effects, node_set.load_cylinder)
+    left, right = valve_controllers(node_set, parameters, table)
     rolling = vehicle_model(scenario.effects, slots, step)
     return Cores(
         plant=plant,
         driver=Driver(parameters, scenario.manoeuvre.make(), ticks),
         vehicle=Vehicle(parameters, scenario.load.make(), ticks, *rolling),
-        left=ValveController(parameters, "left", table) if closed else None,
-        right=ValveController(parameters, "right", table) if closed else None,
+        left=left,
+        right=right,
         arbiter=overlay_arbiter(scenario, node_set),
         lane_keeper=lane_keeper(scenario, node_set),
-        loop=loop_for(plant.model, rolling[0]),
+        loop=loop_for(plant.model, rolling[0], *control_modules(left)),
+        load_cylinder=LoadForceController(parameters) if node_set.load_cylinder else None,
     )
 
 
@@ -82,10 +84,13 @@ def step_once(cores: Cores) -> None:
     load = cores.vehicle.step(0, *rack).tolist()
     if cores.lane_keeper is not None:
         cores.lane_keeper.step(0, 0.0, 0.0, 0.0, 1.0, cores.vehicle.odometry().v_x, 0.0, 0.0)
+    opened = 0.0
+    if cores.load_cylinder is not None:
+        opened = float(cores.load_cylinder.step(0, *rack, *load)[1])
     if cores.arbiter is not None:
         cores.arbiter.step(0, *torque, 0.0, *[0.0] * (2 * len(cores.arbiter.periods)))
     cores.plant.truth(0)
-    cores.plant.step(0, applied, *forces, *load)
+    cores.plant.step(0, *[applied, *forces, *load, opened])
 
 
 def boost_curve(scenario: Scenario) -> np.ndarray:
@@ -114,6 +119,8 @@ def rest_values(cores: Cores) -> dict[str, tuple[float, ...]]:
     ):
         if controller is not None:
             rest[topic] = controller.out
+    if cores.load_cylinder is not None:
+        rest[LOAD_COMMAND] = cores.load_cylinder.out
     return {topic: tuple(values.tolist()) for topic, values in rest.items()}
 
 
@@ -147,8 +154,9 @@ def _own(scenario: Scenario, node_set: NodeSet, kind: str) -> dict[str, Any]:
         for effect, values in scenario.effects.items()
         for name, value in values.items()
     }
+    cylinder = {"has_load_cylinder": True} if node_set.load_cylinder else {}
     own: dict[str, dict[str, Any]] = {
-        "plant": {"valve_system": node_set.valve_system, **curve, **effects},
+        "plant": {"valve_system": node_set.valve_system, **cylinder, **curve, **effects},
         "valve_controller": curve,
         "driver": _nested("manoeuvre", scenario.manoeuvre),
         "vehicle": {**_nested("load", scenario.load), **effects},

@@ -10,7 +10,7 @@ from steering_bringup.schema import NodeSet
 from steering_core.naming import unknown
 from steering_lockstep.graph import RECORDER_KIND, Graph, GraphError, NodeSpec, check_graph
 from steering_lockstep.kinds import location
-from steering_lockstep.topics import APPLIED, CREDIT, OVERLAY, TABLE
+from steering_lockstep.topics import APPLIED, CREDIT, LOAD_COMMAND, OVERLAY, TABLE
 
 RECORDER = "recorder"
 
@@ -43,6 +43,7 @@ def build_graph(
             for name, entry in node_set.nodes.items()
         ]
         _check_topics(nodes)
+        _check_load(nodes)
         if node_set.valve_system == "open_centre":
             _check_without_overlay(nodes)
         return check_graph([*nodes, recorder(nodes)] if record else nodes)
@@ -117,6 +118,16 @@ def _check_without_overlay(nodes: Iterable[NodeSpec]) -> None:
                     f"node '{node.name}': {topic} needs pressure controllers; an open-centre "
                     "valve is moved by the torsion bar alone and cannot apply a torque overlay"
                 )
+
+
+def _check_load(nodes: Iterable[NodeSpec]) -> None:
+    """The plant's load is either the ideal rack force or what the load cylinder makes of it."""
+    for node in nodes:
+        given = {"/vehicle/rack_force", LOAD_COMMAND} & set(node.inputs)
+        if node.kind == "plant" and len(given) != 1:
+            raise GraphError(
+                f"node '{node.name}' needs either /vehicle/rack_force or {LOAD_COMMAND} as an input"
+            )
 
 
 def _check_topics(nodes: Iterable[NodeSpec]) -> None:

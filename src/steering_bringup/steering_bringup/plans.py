@@ -19,6 +19,7 @@ ODOMETRY = "/vehicle/odometry"
 DIRECT_KINDS = (
     "plant",
     "valve_controller",
+    "load_force_controller",
     "driver",
     "vehicle",
     "overlay_arbiter",
@@ -158,19 +159,25 @@ def _check_direct(graph: Graph) -> None:
             )
         if node.kind == REPLAY_KIND:
             _check_direct_replay(node)
-    _check_direct_overlays(graph)
+    _check_direct_places(graph)
 
 
-def _check_direct_overlays(graph: Graph) -> None:
-    """Refuse what the compiled loop has no place for: it knows one arbiter and one lane keeper."""
-    places = {"overlay_arbiter": "arbiter", "lane_keeper": "lane_keeper"}
-    overlays = [node for node in graph.nodes if node.kind in places]
-    for node in overlays:
+def _check_direct_places(graph: Graph) -> None:
+    """Refuse what the compiled loop has no place for: it knows one node of these kinds each."""
+    places = {
+        "overlay_arbiter": "arbiter",
+        "lane_keeper": "lane_keeper",
+        "load_force_controller": "load_cylinder",
+    }
+    named = [node for node in graph.nodes if node.kind in places]
+    for node in named:
         if node.name != places[node.kind]:
             raise BenchError(
                 f"the direct runner knows one node of kind '{node.kind}', called "
                 f"'{places[node.kind]}', not '{node.name}': leave out --direct"
             )
+        if node.kind == "load_force_controller":
+            continue
         vehicle = graph.node(graph.publisher[ODOMETRY])
         if vehicle.kind != "vehicle" or (node.kind == "lane_keeper" and node.inputs[ODOMETRY]):
             raise BenchError(

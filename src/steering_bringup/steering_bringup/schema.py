@@ -23,6 +23,7 @@ from steering_bringup.choices import Choice, choice_of
 from steering_bringup.named_values import EffectValues, ParameterValues
 from steering_core.parameters import ParameterSet, load_parameters
 from steering_core.strict import Number, Strict
+from steering_lockstep.topics import LOAD_COMMAND
 from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 from vehicle_model.loads import LOADS, make_load
 
@@ -164,6 +165,11 @@ class NodeSet(Strict):
     schema_version: Literal[1] = Field(1, alias="schema", description="version of this schema")
     name: Name
     description: str = Field("", description="one sentence for `steer list`")
-    valve_system: Literal["open_centre", "closed_centre"]
+    valve_system: Literal["open_centre", "closed_centre", "servo_valve"]
     processes: Literal["one", "each"] = Field("one", description="all in one process, or one each")
     nodes: dict[Name, NodeEntry]
+
+    @property
+    def load_cylinder(self) -> bool:
+        """Whether the rig's load cylinder stands in for the ideal rack force."""
+        return any(LOAD_COMMAND in entry.inputs for entry in self.nodes.values())

@@ -10,6 +10,7 @@ from typing import Any
 FACTORIES = {
     "plant": "steering_plant.plant_node:make",
     "valve_controller": "pressure_control.controller_node:make",
+    "load_force_controller": "pressure_control.load_force_node:make",
     "overlay_arbiter": "pressure_control.overlay.arbiter_node:make",
     "lane_keeper": "steering_bringup.lane_keeping.lane_keeper_node:make",
     "driver": "driver_model.driver_node:make",

@@ -16,6 +16,7 @@ __all__ = [
     "CLOCK",
     "CREDIT",
     "DIAGNOSTICS",
+    "LOAD_COMMAND",
     "OVERLAY",
     "TABLE",
     "Topic",
@@ -29,6 +30,7 @@ DIAGNOSTICS = "/diagnostics"
 OVERLAY = "/torque_overlay"
 """What guests outside the lock step publish on; a member has OVERLAY/NAME to itself."""
 APPLIED = "/torque_overlay/applied"
+LOAD_COMMAND = "/load_cylinder/command"
 _SOURCE = re.compile(OVERLAY + r"/([a-z][a-z0-9_]{0,31})")
 
 
@@ -86,6 +88,7 @@ TABLE: Mapping[str, Topic] = _Topics(
         _ours("/driver/torque", "DriverTorque", "steering_wheel"),
         _ours("/valve/left/command", "ValveCommand", "left_valve"),
         _ours("/valve/right/command", "ValveCommand", "right_valve"),
+        _ours(LOAD_COMMAND, "LoadCommand", "load_cylinder"),
         _ours("/vehicle/rack_force", "RackForce", "rack"),
         _ours(APPLIED, "TorqueOverlayApplied", "steering_wheel"),
         _ours("/truth/plant", "PlantTruth", "plant"),

@@ -1,6 +1,7 @@
 """The plant as a node: the clock of the bench.
 
-Parameters: any of the data sheet, ``valve_system`` (open_centre or closed_centre),
+Parameters: any of the data sheet, ``valve_system`` (open_centre, closed_centre or servo_valve),
+``has_load_cylinder`` (whether the rig's load cylinder stands in for the ideal rack force),
 ``boost_curve.COLUMN`` (points of a measured curve in place of the formula: the columns
 ``torsion_bar_torque_Nm`` and ``load_pressure_Pa``), ``effects.EFFECT.PARAMETER``.
 """
@@ -18,6 +19,7 @@ from steering_lockstep.graph import NodeSpec
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.standalone import spin_alone
+from steering_lockstep.topics import LOAD_COMMAND
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import description as effect_description
 from steering_plant.measured_boost_curve import boost_table
@@ -37,9 +39,12 @@ class PlantNode(ClockNode):
             ("/vehicle/rack_force", "force"),
             ("/vehicle/rack_force", "stiffness"),
             ("/vehicle/rack_force", "position"),
+            (LOAD_COMMAND, "valve_opening"),
         ),
         gives=("/steering/torque", "/steering/pressure", "/steering/rack", "/clock"),
-        optional=frozenset({"/valve/left/command", "/valve/right/command"}),
+        optional=frozenset(
+            {"/valve/left/command", "/valve/right/command", "/vehicle/rack_force", LOAD_COMMAND}
+        ),
     )
 
     def publish(self, tick: int, out: Sequence[float]) -> None:
@@ -55,10 +60,11 @@ class PlantNode(ClockNode):
 
 def build_plant(values: Mapping[str, Any]) -> Plant:
     """Return the plant of a node's parameter values."""
-    check_own(values, ("valve_system",), ("boost_curve", "effects"))
+    check_own(values, ("valve_system", "has_load_cylinder"), ("boost_curve", "effects"))
     table = boost_table(section(values, "boost_curve"))
     valve_system = values.get("valve_system", "closed_centre")
-    return Plant(parameter_set(values), valve_system, table, effects_of(values))
+    effects, cylinder = effects_of(values), bool(values.get("has_load_cylinder", False))
+    return Plant(parameter_set(values), valve_system, table, effects, cylinder)
 
 
 def make(

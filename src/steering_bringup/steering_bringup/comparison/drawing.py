@@ -33,7 +33,7 @@ def curve(
 
 def _dashed(result: Comparison) -> int:
     """Which run is drawn dashed: the open-centre one, else the first."""
-    return 1 if result.systems == ("closed-centre", "open-centre") else 0
+    return 1 if result.systems[0] != result.systems[1] == "open-centre" else 0
 
 
 def _sides(result: Comparison) -> tuple[int, int]:

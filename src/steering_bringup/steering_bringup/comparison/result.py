@@ -24,7 +24,7 @@ GROWTH_KEYS = ("steering_wheel_torque", "assistance_pressure")
 class Comparison:
     """Two runs beside each other. Everything is SI and second minus first.
 
-    names: labels of the runs; systems: "open-centre" or "closed-centre"; time: (n,) s;
+    names: labels of the runs; systems: see signals.valve_system; time: (n,) s;
     signals: key -> (first, second), each (n,); differences: key -> Difference; growths: key ->
     Growth, None where it cannot be judged; bands: key -> [(from Hz, to Hz, rms)]; energies and
     supply_energy (n,) of each run; changed: metadata that differ; notes: what a reader must know.

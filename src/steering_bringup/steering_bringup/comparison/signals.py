@@ -106,5 +106,8 @@ def has(trace: Trace, signal: Signal) -> bool:
 
 
 def valve_system(trace: Trace) -> str:
-    """ "closed-centre" if the run has valve commands, else "open-centre"."""
-    return "closed-centre" if "/valve/left/command" in trace else "open-centre"
+    """ "open-centre" for a run without valve commands, else "closed-centre" or "servo-valve"."""
+    if "/valve/left/command" not in trace:
+        return "open-centre"
+    servo = (trace.run.get("node_set") or {}).get("valve_system") == "servo_valve"
+    return "servo-valve" if servo else "closed-centre"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from driver_model.lead_lag import driver_step
 from pressure_control.controller import controller_step
+from pressure_control.load_force import load_force_step
 from pressure_control.overlay.arbiter import arbiter_step
 from pressure_control.overlay.sources import message_tick
 from steering_bringup.lane_keeping.keeper import lane_keeper_step
@@ -16,7 +17,7 @@ from steering_plant.model.step import plant_step, report_truth
 from vehicle_model.model.attitude import half_angle
 from vehicle_model.model.step import vehicle_step
 
-MEASURED, DRIVER, LEFT_VALVE, RIGHT_VALVE, LOAD, APPLIED, TRUTH, MOTION, LANE = range(9)
+MEASURED, DRIVER, LEFT_VALVE, RIGHT_VALVE, LOAD, APPLIED, TRUTH, MOTION, LANE, CYLINDER = range(10)
 """Positions in the tuple of traces."""
 
 MOTION_PERIOD = 10
@@ -40,7 +41,10 @@ MOTION_PERIOD = 10
     ARBITER_MOTION_DELAY,
     LEFT_OVERLAY_DELAY,
     RIGHT_OVERLAY_DELAY,
-) = range(17)
+    CYLINDER_RACK_DELAY,
+    CYLINDER_LOAD_DELAY,
+    PLANT_CYLINDER_DELAY,
+) = range(20)
 """Positions of the connections in the vector of delays."""
 
 
@@ -134,6 +138,7 @@ def run_ticks(
     vehicle,
     arbiter,
     lane_keeper,
+    cylinder,
     delays,
     before,
     replayed,
@@ -142,21 +147,23 @@ def run_ticks(
     """Run ticks ``start`` to ``stop`` - 1 and fill the traces; return (status, tick reached).
 
     last: number of ticks of the whole run; after its last tick the plant does not move on.
-    plant, left, right, driver, vehicle, arbiter, lane_keeper: the cores' arrays; an arbiter that
-    has no trace is not there, and so the lane keeper. delays: int64, shape (17,). before:
+    plant, left, right, driver, vehicle, arbiter, lane_keeper, cylinder: the cores' arrays; what has
+    no trace is not there. cylinder: force control of the load cylinder. delays: int64, shape (20,).
+    before:
     rows of each delayed trace that stand before tick 0 and hold what was there at rest; at least
     the longest delay. traces: see the positions above; TRUTH may have no rows. replayed: int64,
-    shape (5,), by the first five positions: 1 where the trace is given and its core is not run.
+    shape (10,), by position: 1 where the trace is given and its core is not run.
     """
     measured, commanded, load = traces[MEASURED], traces[DRIVER], traces[LOAD]
     left_trace, right_trace = traces[LEFT_VALVE], traces[RIGHT_VALVE]
     truth, motion = traces[TRUTH], traces[MOTION]
+    opened = traces[CYLINDER]
     applied, asked = traces[APPLIED], traces[LANE]
     overlaid, keeping = applied.shape[0] > 0, asked.shape[0] > 0
     lane_period = lane_keeper[4][0]
     par, table, e, y, u = plant[0], plant[1], plant[3], plant[5], plant[7]
     work, flows, out = plant[8], plant[9], plant[12]
-    closed = par[0].closed_centre > 0.0
+    closed, loaded = left_trace.shape[0] > 0, opened.shape[0] > 0
     driver_par, reference, hands_on, driver_state, driver_out = driver
     vehicle_par, external, vehicle_e, vehicle_state, vehicle_out = vehicle
     for tick in range(start, stop):
@@ -194,6 +201,19 @@ def run_ticks(
                 measured[at, 8],
             )
             keep(vehicle_out, load, row)
+        if loaded and not replayed[CYLINDER]:
+            at, wanted = row - delays[CYLINDER_RACK_DELAY], row - delays[CYLINDER_LOAD_DELAY]
+            load_force_step(  # type: ignore[call-arg]
+                *cylinder,
+                tick,
+                measured[at, 6],
+                measured[at, 7],
+                measured[at, 8],
+                load[wanted, 0],
+                load[wanted, 1],
+                load[wanted, 2],
+            )
+            keep(cylinder[2], opened, row)
         if keeping:
             keep_lane(lane_keeper, vehicle_par, vehicle_state, tick, asked)
         if overlaid:
@@ -226,8 +246,9 @@ def run_ticks(
             command = commanded[row - delays[PLANT_DRIVER_DELAY], 0]
             at = row - delays[PLANT_LOAD_DELAY]
             force, stiffness, position = load[at, 0], load[at, 1], load[at, 2]
+            valve = opened[row - delays[PLANT_CYLINDER_DELAY], 1] if loaded else 0.0
             status = plant_step(  # type: ignore[call-arg]
-                *plant, tick, command, left_force, right_force, force, stiffness, position, 0.0
+                *plant, tick, command, left_force, right_force, force, stiffness, position, valve
             )
             if status != 0:
                 return status, tick

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from driver_model.driver import Driver
-from pressure_control.controller import ValveController
+from pressure_control.load_force import LoadForceController
 from pressure_control.overlay.arbiter import OUTPUTS as APPLIED_FIELDS
 from pressure_control.overlay.arbiter import OverlayArbiter
 from steering_bringup.direct import loop as nominal_loop
 from steering_bringup.lane_keeping.keeper import LaneKeeper, keeper_record
 from steering_core.naming import unknown
 from steering_core.parameters import load_parameters
+from steering_lockstep.topics import LOAD_COMMAND
 from steering_plant.plant import Plant, PlantError, failure_text
 from vehicle_model.motion import STATES as MOTION_STATES
 from vehicle_model.vehicle import Vehicle
@@ -41,6 +43,9 @@ CONNECTIONS = (
     "/vehicle/odometry->arbiter",
     "/torque_overlay/applied->valve_left",
     "/torque_overlay/applied->valve_right",
+    "/steering/rack->load_cylinder",
+    "/vehicle/rack_force->load_cylinder",
+    "/load_cylinder/command->plant",
 )
 """Connections that can have a delay, in the order of the loop's vector of delays."""
 
@@ -52,6 +57,7 @@ REPLAYABLE: Mapping[str, tuple[int, int]] = {
     "/valve/left/command": (nominal_loop.LEFT_VALVE, 0),
     "/valve/right/command": (nominal_loop.RIGHT_VALVE, 0),
     "/vehicle/rack_force": (nominal_loop.LOAD, 0),
+    LOAD_COMMAND: (nominal_loop.CYLINDER, 0),
 }
 """Topics that can be recorded ones: trace and first column."""
 
@@ -69,17 +75,20 @@ RECORDED_TOPICS = frozenset(REPLAYABLE) | {
 class Cores:
     """The cores of one closed loop; the valve controllers are None for the open-centre system.
 
-    loop: module with ``run_ticks``; another one carries effects, as ``plant.model`` does.
+    left, right: of a kind in pressure_control.controller.CONTROLLERS. loop: module with
+    ``run_ticks``; another one carries effects, as ``plant.model`` does, or other controllers.
+    load_cylinder: force control of the plant's load cylinder, None without one.
     """
 
     plant: Plant
     driver: Driver
     vehicle: Vehicle
-    left: ValveController | None = None
-    right: ValveController | None = None
+    left: Any = None
+    right: Any = None
     loop: ModuleType = nominal_loop
     arbiter: OverlayArbiter | None = None
     lane_keeper: LaneKeeper | None = None
+    load_cylinder: LoadForceController | None = None
 
 
 @dataclass(frozen=True)
@@ -89,7 +98,8 @@ class DirectTrace:
     torque (n, 3), pressure (n, 3), rack (n, 3), driver (n, 2), left_valve and right_valve (n, 2;
     no rows for the open-centre system), load (n, 3), overlay (n, 19; no rows without an arbiter),
     truth (n, 8; no rows unless asked for): fields of the messages in order. motion (n/10, 7): the
-    vehicle's states at 100 Hz. lane_keeper: (n/period, 2), no rows without one.
+    vehicle's states at 100 Hz. lane_keeper: (n/period, 2), load_cylinder: (n, 2); no rows without
+    one.
     """
 
     torque: np.ndarray
@@ -103,6 +113,7 @@ class DirectTrace:
     truth: np.ndarray
     motion: np.ndarray
     lane_keeper: np.ndarray
+    load_cylinder: np.ndarray
 
     def topics(self) -> dict[str, np.ndarray]:
         """Return the arrays of the lock-step topics that were produced, by topic."""
@@ -116,13 +127,14 @@ class DirectTrace:
             "/vehicle/rack_force": self.load,
             "/torque_overlay/applied": self.overlay,
             "/torque_overlay/lane_keeper": self.lane_keeper,
+            LOAD_COMMAND: self.load_cylinder,
             "/truth/plant": self.truth,
         }
         return {topic: rows for topic, rows in named.items() if len(rows)}
 
 
 def delay_vector(delays: Mapping[str, int]) -> np.ndarray:
-    """Return the loop's delays in ticks, int64 of shape (17,), from connections by name.
+    """Return the loop's delays in ticks, int64 of shape (20,), from connections by name.
 
     Names are ``topic->node``. Raises ValueError for an unknown one or a negative delay.
     """
@@ -174,14 +186,15 @@ def run(
             on_progress(stop)
     measured, *commands = (trace[before:] for trace in traces[:6])
     torque, pressure, rack = measured[:, :3], measured[:, 3:6], measured[:, 6:]
-    return DirectTrace(torque, pressure, rack, *commands, *traces[6:])
+    others = [*traces[6:9], traces[nominal_loop.CYLINDER][before:]]
+    return DirectTrace(torque, pressure, rack, *commands, *others)
 
 
 def _fill(
     traces: tuple[np.ndarray, ...], before: int, recorded: Mapping[str, np.ndarray]
 ) -> np.ndarray:
-    """Write what is recorded into the traces; return which cores it stands for, int64 (5,)."""
-    replayed = np.zeros(5, dtype=np.int64)
+    """Write what is recorded into the traces; return which cores it stands for, int64 (10,)."""
+    replayed = np.zeros(len(traces), dtype=np.int64)
     for topic, columns in recorded.items():
         if topic in REPLAYABLE:
             position, first = REPLAYABLE[topic]
@@ -202,7 +215,9 @@ def _traces(cores: Cores, ticks: int, before: int, truth: bool) -> tuple[np.ndar
     ]
     motion = np.empty((-(-ticks // nominal_loop.MOTION_PERIOD), len(MOTION_STATES)))
     asked = 0 if cores.lane_keeper is None else -(-ticks // cores.lane_keeper.period)
-    return (*delayed, np.empty((ticks if truth else 0, 8)), motion, np.empty((asked, 2)))
+    opened = _delayed(np.zeros(2), before, 0 if cores.load_cylinder is None else ticks)
+    true = np.empty((ticks if truth else 0, 8))
+    return (*delayed, true, motion, np.empty((asked, 2)), opened)
 
 
 def _delayed(rest: np.ndarray, before: int, ticks: int) -> np.ndarray:
@@ -222,6 +237,7 @@ def _arrays(cores: Cores) -> tuple[tuple[np.ndarray, ...], ...]:
         (vehicle.par, vehicle.external, vehicle.effects, vehicle.state, vehicle.out),
         _arbiter_arrays(cores.arbiter),
         _lane_keeper_arrays(cores.lane_keeper),
+        _cylinder_arrays(cores.load_cylinder),
     )
 
 
@@ -238,7 +254,13 @@ def _lane_keeper_arrays(keeper: LaneKeeper | None) -> tuple[np.ndarray, ...]:
     return (keeper.par, keeper.lane, keeper.state, keeper.out, np.array([keeper.period]))
 
 
-def _controller_arrays(controller: ValveController | None) -> tuple[np.ndarray, ...]:
+def _cylinder_arrays(control: LoadForceController | None) -> tuple[np.ndarray, ...]:
+    """Return the force control's arrays, or some of their types for a loop without one."""
+    made = LoadForceController(load_parameters()) if control is None else control
+    return (made.par, made.state, made.out)
+
+
+def _controller_arrays(controller: Any) -> tuple[np.ndarray, ...]:
     if controller is None:
         return _absent_controller()
     return (controller.par, controller.table, controller.state, controller.out)
