@@ -1,0 +1,89 @@
+"""The mapping file: which channel of a foreign file is which channel of the bench."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, model_validator
+
+from steering_bringup.named_values import ParameterValues
+from steering_core.errors import BenchError
+from steering_core.strict import Number, Strict, check_keys, fault
+from steering_core.validation import explain
+from steering_core.yaml_lines import Document, read_yaml
+from steering_diagnosis.data.channels import CHANNELS
+from steering_diagnosis.data.units import FACTORS
+
+Sign = Annotated[int, Field(ge=-1, le=1)]
+
+
+class MappedChannel(Strict):
+    """One channel: value = sign x (scale x raw x unit + offset), in SI."""
+
+    source: str = Field(alias="from", description="name of the channel or column in the file")
+    unit: str = Field(description="unit of the numbers in the file, after `scale`")
+    sign: Sign = Field(1, description="1, or -1 where the file's positive is the bench's negative")
+    scale: Number = Field(1.0, description="factor from the file's numbers to `unit`")
+    offset: Number = Field(0.0, description="added after `scale`, in `unit`")
+    delay: Number = Field(0.0, description="s by which the file's channel is known to lag")
+    group: int | None = Field(None, ge=0, description="MDF group, where a name occurs twice")
+    clock: str = Field("", description="name of the clock, where it is not the file's first")
+
+    @model_validator(mode="after")
+    def _has_sign(self) -> MappedChannel:
+        if self.sign == 0:
+            raise fault("sign", "sign must be 1 or -1, got 0")
+        return self
+
+
+class Clock(Strict):
+    """A second clock: its times are t = offset + (1 + drift) x the file's time."""
+
+    offset: Number = Field(0.0, description="s")
+    drift: Number = Field(0.0, gt=-0.01, lt=0.01, description="relative, 1e-6 is one ppm")
+    estimate: bool = Field(False, description="from channels that move together")
+
+
+class Mapping(Strict):
+    """Where the bench's channels are in a CSV, MATLAB or MDF4 file."""
+
+    schema_version: Literal[1] = Field(1, alias="schema", description="version of this schema")
+    valve_system: Literal["open_centre", "closed_centre", "servo_valve"]
+    time: str = Field("", description="column or variable with the time; MDF4 has its own")
+    time_unit: str = Field("s", description="unit of the time")
+    rate: Number | None = Field(None, gt=0.0, description="Hz, where the file has no time")
+    parameter_set: str = Field("nominal", description="parameter set by name or YAML file")
+    parameters: ParameterValues = Field({}, description="values that differ from the set, SI")
+    boost_curve: str | None = Field(None, description="CSV file of the measured boost curve")
+    clocks: dict[str, Clock] = Field({}, description="further clocks, by name")
+    channels: dict[str, MappedChannel]
+
+    @model_validator(mode="after")
+    def _fits(self) -> Mapping:
+        check_keys("channel", self.channels, CHANNELS)
+        if self.time_unit not in FACTORS["s"]:
+            raise fault("time_unit", f"time_unit must be one of {', '.join(FACTORS['s'])}")
+        for name, channel in self.channels.items():
+            known = FACTORS[CHANNELS[name].unit]
+            if channel.unit not in known:
+                raise fault(
+                    name, f"{name}: unit '{channel.unit}' must be one of {', '.join(known)}"
+                )
+            if channel.clock and channel.clock not in self.clocks:
+                raise fault(name, f"{name}: clock '{channel.clock}' is not among 'clocks'")
+        if not self.channels:
+            raise fault("channels", "channels: at least one is needed")
+        return self
+
+
+def load_mapping(path: str | Path) -> tuple[Mapping, Document]:
+    """Read a mapping file; BenchError names file, line and key of what is wrong."""
+    document = read_yaml(Path(path))
+    data: Any = document.data
+    if not isinstance(data, dict):
+        raise BenchError(f"{path}: a mapping file has keys such as 'channels'")
+    try:
+        return Mapping.model_validate(data), document
+    except ValidationError as error:
+        raise BenchError(explain(error, document)) from None

@@ -1,0 +1,162 @@
+"""Any measured data as a record: a bag, or a file of another tool with its mapping."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from steering_core.errors import BenchError
+from steering_core.parameters import ParameterError, ParameterSet, load_parameters
+from steering_diagnosis.data import clocks
+from steering_diagnosis.data.channels import CHANNELS, MEASURED
+from steering_diagnosis.data.foreign import Raw, read_foreign
+from steering_diagnosis.data.mapping import MappedChannel, Mapping, load_mapping
+from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.data.resample import Sampled, on_grid, sampled
+from steering_diagnosis.data.units import factor, same
+from steering_plant.measured_boost_curve import boost_table, read_boost_curve
+
+SHORTEST_S = 2.0
+
+
+def read_record(path: str | Path, mapping: str | Path | None = None) -> Record:
+    """Return the record of a bag (folder or file), or of a file with its ``mapping``.
+
+    Raises BenchError: no such file, no channel of the bench in it, too short, unreadable.
+    """
+    path = Path(path)
+    if mapping is None:
+        if path.suffix.lower() in (".csv", ".mat", ".mf4", ".mdf", ".txt"):
+            raise BenchError(f"'{path}' needs a mapping file: --mapping FILE (docs/diagnosis.md)")
+        from steering_diagnosis.data.bag import record_from_bag
+
+        return record_from_bag(path)
+    return record_from_file(path, Path(mapping))
+
+
+def record_from_file(path: Path, mapping_path: Path) -> Record:
+    """Return the record of a CSV, MATLAB or MDF4 file."""
+    mapping, _ = load_mapping(mapping_path)
+    wanted = [(channel.source, channel.group) for channel in mapping.channels.values()]
+    raw = read_foreign(path, wanted, mapping.time)
+    notes: list[str] = []
+    channels = {
+        name: _in_si(name, channel, raw[channel.source], mapping, path, notes)
+        for name, channel in mapping.channels.items()
+    }
+    channels = _on_one_clock(channels, mapping, notes)
+    for channel in channels.values():
+        notes += channel.findings
+    start, count = _span(channels, path)
+    missing = [name for name in MEASURED if name not in channels]
+    if missing:
+        notes.append(f"not measured: {', '.join(missing)}")
+    return Record(
+        valve_system=mapping.valve_system,
+        channels={name: on_grid(channel, start, count) for name, channel in channels.items()},
+        nominal=_parameters(mapping, mapping_path),
+        boost_table=_boost_table(mapping, mapping_path),
+        notes=tuple(notes),
+        name=path.stem,
+        path=path,
+        sha256=sha256(path),
+    )
+
+
+def sha256(path: Path) -> str:
+    """Return the digest of a file, or of all files of a folder in the order of their names."""
+    digest = hashlib.sha256()
+    for file in [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file()):
+        with file.open("rb") as opened:
+            while block := opened.read(1 << 20):
+                digest.update(block)
+    return digest.hexdigest()
+
+
+def _in_si(
+    name: str, channel: MappedChannel, raw: Raw, mapping: Mapping, path: Path, notes: list[str]
+) -> Sampled:
+    """Return a channel in SI with the bench's sign, on its own clock in seconds."""
+    unit = CHANNELS[name].unit
+    if raw.unit and channel.scale == 1.0 and not same(raw.unit, channel.unit, unit):
+        notes.append(
+            f"{name}: the file says its unit is '{raw.unit}', the mapping '{channel.unit}': "
+            "the mapping was followed"
+        )
+    to_si = factor(channel.unit, unit, f"{path}: {name}")
+    values = channel.sign * to_si * (channel.scale * raw.values + channel.offset)
+    return sampled(name, _time(raw, mapping, path) - channel.delay, values)
+
+
+def _time(raw: Raw, mapping: Mapping, path: Path) -> np.ndarray:
+    if raw.time is not None:
+        return raw.time * factor(mapping.time_unit, "s", f"{path}: time")
+    if mapping.rate is None:
+        raise BenchError(f"'{path}' has no time: name its column with 'time', or give 'rate' in Hz")
+    return np.arange(len(raw.values)) / mapping.rate
+
+
+def _on_one_clock(
+    channels: dict[str, Sampled], mapping: Mapping, notes: list[str]
+) -> dict[str, Sampled]:
+    """Return the channels on the file's first clock; what was done goes into ``notes``."""
+    by_clock: dict[str, dict[str, Sampled]] = {}
+    for name, channel in channels.items():
+        by_clock.setdefault(mapping.channels[name].clock, {})[name] = channel
+    reference = by_clock.get("", {})
+    moved = dict(reference)
+    for clock, members in by_clock.items():
+        if not clock:
+            continue
+        given = mapping.clocks[clock]
+        offset, drift = given.offset, given.drift
+        if given.estimate:
+            found = clocks.estimate(reference, members)
+            if found is None:
+                raise BenchError(
+                    f"clock '{clock}' cannot be estimated: no channel on it moves together with "
+                    "one of the first clock; give its offset and drift"
+                )
+            drift = 1.0 / (1.0 + found.drift) - 1.0
+            offset = -found.offset * (1.0 + drift)
+            notes.append(
+                f"clock '{clock}' was {found.offset * 1e3:.2f} ms late with a drift of "
+                f"{found.drift * 1e6:.0f} ppm by {found.pair[0]} against {found.pair[1]} "
+                f"(scatter {found.scatter * 1e3:.2f} ms): corrected"
+            )
+        for name, channel in members.items():
+            time = offset + (1.0 + drift) * channel.time
+            moved[name] = Sampled(name, time, channel.values, channel.findings, channel.period)
+    return moved
+
+
+def _span(channels: dict[str, Sampled], path: Path) -> tuple[float, int]:
+    """Return beginning and number of ticks that all channels share."""
+    start = max(channel.time[0] for channel in channels.values())
+    stop = min(channel.time[-1] for channel in channels.values())
+    if stop - start < SHORTEST_S:
+        raise BenchError(
+            f"'{path}': the channels share {max(stop - start, 0.0):.3g} s; at least "
+            f"{SHORTEST_S:g} s are needed"
+        )
+    return float(start), int((stop - start) / PERIOD_S + 1e-6) + 1
+
+
+def _parameters(mapping: Mapping, place: Path) -> ParameterSet:
+    name = mapping.parameter_set
+    try:
+        shown = str(place.parent / name) if Path(name).suffix else name
+        return load_parameters(shown).with_values(mapping.parameters)
+    except ParameterError as error:
+        raise BenchError(f"{place}: {error}") from None
+
+
+def _boost_table(mapping: Mapping, place: Path) -> np.ndarray | None:
+    if mapping.boost_curve is None:
+        return None
+    try:
+        return boost_table(read_boost_curve(str(place.parent / mapping.boost_curve)))
+    except ValueError as error:
+        raise BenchError(f"{place}: boost_curve: {error}") from None

@@ -1,0 +1,136 @@
+"""From a channel on its own clock to the record's grid of 1 ms, and what was found on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.signal import firwin, oaconvolve
+
+from steering_core.errors import BenchError
+from steering_diagnosis.data.record import PERIOD_S
+
+GAP_PERIODS = 4.0
+"""A pause longer than so many of a channel's own periods is a gap and is not bridged."""
+
+JITTER_SHARE = 0.05
+FEWEST_SAMPLES = 200
+
+
+@dataclass(frozen=True, repr=False)
+class Sampled:
+    """A channel with its own instants [s], rising, all finite; findings, a sentence each."""
+
+    name: str
+    time: np.ndarray
+    values: np.ndarray
+    findings: tuple[str, ...] = ()
+    period: float = field(default=PERIOD_S)
+
+
+def sampled(name: str, time: np.ndarray, values: np.ndarray) -> Sampled:
+    """Return a channel in the order of its time, without repeated instants and non-numbers.
+
+    Raises BenchError where fewer than 200 samples are left.
+    """
+    findings = []
+    finite = np.isfinite(time) & np.isfinite(values)
+    lost = int(np.count_nonzero(~finite))
+    if lost:
+        findings.append(f"{name}: {lost} of {len(values)} samples are no numbers: left out")
+    time, values = time[finite], values[finite]
+    if np.any(np.diff(time) <= 0.0):
+        order = np.argsort(time, kind="stable")
+        backwards = int(np.count_nonzero(np.diff(time) < 0.0))
+        time, first = np.unique(time[order], return_index=True)
+        dropped = len(values) - len(time)
+        values = values[order][first]
+        findings.append(
+            f"{name}: time went back {backwards} times, {dropped} repeated instants left out"
+        )
+    if len(values) < FEWEST_SAMPLES:
+        raise BenchError(
+            f"{name}: {len(values)} samples are too few to judge anything; at least "
+            f"{FEWEST_SAMPLES} are needed"
+        )
+    period = float(np.median(np.diff(time)))
+    findings += _timing(name, time, period)
+    findings += _values(name, values)
+    return Sampled(name, time, values, tuple(findings), period)
+
+
+def _timing(name: str, time: np.ndarray, period: float) -> list[str]:
+    """Return what is to be said of rate, jitter and gaps."""
+    steps = np.diff(time)
+    gaps = steps[steps > GAP_PERIODS * period]
+    found = []
+    if not 0.98 < period / PERIOD_S < 1.02:
+        rate = 1.0 / period
+        nyquist = f"; nothing above {0.5 * rate:.0f} Hz can be judged" if period > PERIOD_S else ""
+        found.append(f"{name}: sampled at {rate:.4g} Hz{nyquist}")
+    inner = steps[steps <= GAP_PERIODS * period]
+    jitter = float(np.std(inner)) if len(inner) else 0.0
+    if jitter > JITTER_SHARE * period:
+        found.append(f"{name}: time stamps jitter by {jitter * 1e3:.2g} ms (standard deviation)")
+    if len(gaps):
+        found.append(
+            f"{name}: {len(gaps)} gaps, the longest {gaps.max():.3g} s: not bridged, not judged"
+        )
+    return found
+
+
+def _values(name: str, values: np.ndarray) -> list[str]:
+    """Return what is to be said of a constant channel or a coarse resolution."""
+    span = float(np.ptp(values))
+    if span == 0.0:
+        return [f"{name}: constant at {values[0]:.6g} over the whole record"]
+    step = resolution(values)
+    if step > span / 2000.0:
+        return [f"{name}: quantised in steps of {step:.3g}, {span / step:.0f} over its range"]
+    return []
+
+
+def resolution(values: np.ndarray) -> float:
+    """Return the step of a quantised channel; 0 where none is seen."""
+    steps = np.diff(np.unique(values))
+    if not len(steps):
+        return 0.0
+    step = float(np.min(steps))
+    multiples = steps / step
+    return step if np.median(np.abs(multiples - np.round(multiples))) < 0.02 else 0.0
+
+
+def on_grid(channel: Sampled, start: float, count: int) -> np.ndarray:
+    """Return a channel at ``start`` + k x 1 ms, (count,); NaN outside of it and in its gaps.
+
+    A faster channel is first low-passed without phase below 450 Hz; a slower one is interpolated
+    linearly, which adds nothing that was not measured.
+    """
+    time, values = channel.time, channel.values
+    if channel.period < 0.7 * PERIOD_S:
+        time, values = _slowed(channel)
+    grid = start + np.arange(count) * PERIOD_S
+    # A microsecond of rounding at the ends loses no sample.
+    within = np.clip(grid, time[0], time[-1])
+    result = np.where(np.abs(grid - within) < 1e-6, np.interp(within, time, values), np.nan)
+    reach = GAP_PERIODS * max(channel.period, PERIOD_S if channel.period < PERIOD_S else 0.0)
+    after = np.clip(np.searchsorted(time, grid, side="left"), 1, len(time) - 1)
+    inside = time[after] - time[after - 1] > reach
+    exact = np.isclose(grid, time[after]) | np.isclose(grid, time[after - 1])
+    result[inside & ~exact] = np.nan
+    return result
+
+
+def _slowed(channel: Sampled) -> tuple[np.ndarray, np.ndarray]:
+    """Return a fast channel low-passed on its own regular grid, gaps kept as they are."""
+    period = channel.period
+    count = round((channel.time[-1] - channel.time[0]) / period) + 1
+    regular = channel.time[0] + np.arange(count) * period
+    values = np.interp(regular, channel.time, channel.values)
+    taps = firwin(2 * round(2.0 * PERIOD_S / period) + 1, 450.0, fs=1.0 / period)
+    half = len(taps) // 2
+    padded = np.concatenate([np.full(half, values[0]), values, np.full(half, values[-1])])
+    smooth = oaconvolve(padded, taps, mode="valid")
+    nearest = np.clip(np.searchsorted(channel.time, regular), 1, len(channel.time) - 1)
+    in_gap = channel.time[nearest] - channel.time[nearest - 1] > GAP_PERIODS * period
+    return regular[~in_gap], smooth[~in_gap]
