@@ -1,0 +1,105 @@
+"""The page of a diagnosis shows verdict, proof, gain and rivals, and opens offline."""
+
+import json
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from steering_diagnosis.pages import diagnosis_page
+from steering_diagnosis.report import (
+    BalanceError,
+    Cause,
+    Diagnosis,
+    Estimate,
+    Overlay,
+    Report,
+    Rival,
+    Signal,
+    Source,
+    Unexplained,
+)
+
+TIME = np.arange(0.0, 8.0, 1e-3)
+
+
+def report(**changes) -> Report:
+    cause = Cause(
+        effect="cross_piston_leakage",
+        balance="chamber continuity",
+        parameters={"leakage": Estimate(value=2e-12, low=1.8e-12, high=2.2e-12, unit="m3/(s Pa)")},
+        p_value=1e-4,
+        delta_bic=240.0,
+        gain={"left_pressure": 0.91},
+    )
+    signal = Signal(
+        unit="Pa",
+        noise=2e3,
+        rmse_nominal=9e3,
+        rmse_refitted=8e3,
+        rmse_extended=2.1e3,
+        noise_holdout=2e3,
+        rmse_nominal_holdout=9e3,
+        rmse_refitted_holdout=8e3,
+        rmse_extended_holdout=2.4e3,
+    )
+    values = {
+        "bag": Source(path="drive/run_7", sha256="0" * 64),
+        "software": "0.1.0",
+        "verdict": "named",
+        "sentence": "Oil leaks past the piston <seal>.",
+        "causes": [cause],
+        "rivals": [Rival(effect="entrained_air", score=3.1, why_not="its lag grows elsewhere")],
+        "signals": {"left_pressure": signal},
+    }
+    return Report(**(values | changes))
+
+
+def diagnosis(**changes) -> Diagnosis:
+    measured = 5e5 + 1e5 * np.sin(TIME)
+    overlay = Overlay("Pa", measured, measured - 8e3, measured - 7e3, measured - 1e3)
+    balance = BalanceError(
+        "chamber continuity",
+        "m3/s",
+        0.8,
+        6.0,
+        1e-6 * np.sin(TIME),
+        1e-7 * np.sin(TIME),
+        {"pressure": (np.linspace(0.0, 1e6, 5), np.linspace(1e-7, 1e-6, 5))},
+    )
+    held = TIME % 2.0 < 0.5
+    return Diagnosis(report(**changes), TIME, {"left_pressure": overlay}, (balance,), held)
+
+
+def test_the_page_shows_the_verdict_and_escapes_it():
+    text = diagnosis_page(diagnosis()).render()
+    assert "Oil leaks past the piston &lt;seal&gt;." in text
+    for word in ("cross piston leakage", "entrained air", "its lag grows elsewhere", "run_7"):
+        assert word in text
+    assert "src=" not in text.split("<script>")[0]
+
+
+def test_the_gain_is_the_share_of_energy_above_the_noise():
+    text = diagnosis_page(diagnosis()).render()
+    share = 1.0 - (2.4e3**2 - 2e3**2) / (8e3**2 - 2e3**2)
+    assert f"{100.0 * share:.0f} %" in text
+
+
+@pytest.mark.parametrize("verdict", ["clean", "unexplained", "insufficient_excitation"])
+def test_a_page_without_causes_is_whole(verdict):
+    left = [Unexplained(balance="rack force", band_hz=(15.0, 40.0), region="above 5 mm", share=0.4)]
+    text = diagnosis_page(diagnosis(verdict=verdict, causes=[], unexplained=left)).render()
+    assert "15 to 40 Hz" in text
+
+
+def test_the_report_reads_back_and_refuses_what_is_unknown_or_infinite():
+    made = report()
+    again = Report.model_validate(json.loads(made.model_dump_json()))
+    assert again == made
+    assert json.loads(made.model_dump_json())["schema"] == 1
+    with pytest.raises(ValidationError):
+        Report.model_validate({**made.model_dump(), "cause": "x"})
+    with pytest.raises(ValidationError):
+        Estimate(value=float("nan"), low=0.0, high=1.0, unit="1")
+    with pytest.raises(ValidationError):
+        report(causes=[{**made.causes[0].model_dump(), "ambiguous_with": ["a", "b", "c"]}])
