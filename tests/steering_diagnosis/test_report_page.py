@@ -1,6 +1,7 @@
 """The page of a diagnosis shows verdict, proof, gain and rivals, and opens offline."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,7 +44,7 @@ def report(**changes) -> Report:
         rmse_refitted_holdout=8e3,
         rmse_extended_holdout=2.4e3,
     )
-    values = {
+    values: dict[str, Any] = {
         "bag": Source(path="drive/run_7", sha256="0" * 64),
         "software": "0.1.0",
         "verdict": "named",

@@ -95,6 +95,7 @@ class Report(Part):
     bag: Source
     holdout: Source | None = None
     software: str
+    valve_system: str = ""
     verdict: Verdict
     sentence: str
     causes: list[Cause] = Field(default_factory=list)
