@@ -9,8 +9,6 @@ from multiprocessing import get_context
 from types import TracebackType
 
 from steering_core.errors import BenchError
-from steering_diagnosis.data.record import Record
-from steering_diagnosis.report import Diagnosis
 
 
 class Steps:
@@ -42,14 +40,6 @@ class Steps:
     ) -> None:
         if self._bar is not None:
             self._bar.close()
-
-
-def run_diagnosis(record: Record, holdout: Record | None, jobs: int) -> Diagnosis:
-    """Diagnose a record with ``jobs`` processes; 1: in this one. BenchError tells what is wrong."""
-    from steering_diagnosis.steering.diagnose_record import diagnose_record
-
-    with pool(jobs) as executor, Steps("diagnosis") as progress:
-        return diagnose_record(record, holdout, executor=executor, progress=progress)
 
 
 def pool(jobs: int) -> AbstractContextManager[Executor | None]:

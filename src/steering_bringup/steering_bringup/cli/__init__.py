@@ -24,6 +24,7 @@ COMMANDS = {
     "rig-test": "the source's rig tests on the simulated plant, each recorded to a bag",
     "identify": "what rig tests tell of a gear, as a parameter set that loads",
     "validate": "a model against a recorded system test, channel by channel",
+    "plan": "the experiment that separates what a diagnosis could not",
     "bench": "measure speed and accuracy against the targets",
 }
 """Commands with their one line of help; the module of the same name implements each."""
@@ -32,6 +33,7 @@ PACKAGES: dict[str, str] = {
     "rig-test": "steering_studies",
     "identify": "steering_studies",
     "validate": "steering_studies",
+    "plan": "steering_diagnosis",
 }
 """Packages above this one whose ``cli`` folder holds the command's module; others are here."""
 
