@@ -64,6 +64,7 @@ def test_every_example_of_a_run_can_be_planned(example, tmp_path, monkeypatch):
     Path("mine.yaml").write_text(
         scenario if "--node-set" not in example else shipped_closed_centre(), encoding="utf-8"
     )
+    Path("next.yaml").write_text(scenario, encoding="utf-8")
     Path("changes.yaml").write_text("mechanics: {rack_mass: 30}\n", encoding="utf-8")
     Path("measured.csv").write_text(CURVE, encoding="utf-8")
     options = parser_of(["run"]).parse_args(["run", *shlex.split(example)])
