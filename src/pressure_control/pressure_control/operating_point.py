@@ -21,6 +21,9 @@ VALVES = (4, 8)
 
 PLANT_SIZE = 12
 
+SPEED_STEP = 1e-4
+"""Half width [m/s] over which the slopes by speed are taken: a slow, real motion of the rack."""
+
 
 @dataclass(frozen=True)
 class Chamber:
@@ -59,14 +62,21 @@ class SteeringPoint:
 
 
 def steering_point(
-    parameters: ParameterSet, table: np.ndarray, torque: float, speed: float, stiffness: float
+    parameters: ParameterSet,
+    table: np.ndarray,
+    torque: float,
+    speed: float,
+    stiffness: float,
+    speed_step: float = SPEED_STEP,
 ) -> SteeringPoint:
     """Return the loop at a torsion-bar torque [N m], rack speed [m/s] and load stiffness [N/m].
 
-    Raises ParameterError where the static map leaves the pressures that the valve can hold.
+    speed_step [m/s]: half width of the slopes by speed; the feed-forward has its dead zone of the
+    underlap and a kink at standstill, so a small one is for small signals only. Raises
+    ParameterError where the static map leaves the pressures that the valve can hold.
     """
-    right = _chamber(parameters, table, 1.0, torque, speed)
-    left = _chamber(parameters, table, -1.0, torque, speed)
+    right = _chamber(parameters, table, 1.0, torque, speed, speed_step)
+    left = _chamber(parameters, table, -1.0, torque, speed, speed_step)
     a, b, torque_row = _gear_and_valves(parameters, right.valve, left.valve, stiffness)
     whole = np.zeros((PLANT_SIZE + 2, PLANT_SIZE + 2))
     whole[:PLANT_SIZE, :PLANT_SIZE], whole[:PLANT_SIZE, PLANT_SIZE:] = a, b
@@ -82,7 +92,12 @@ def steering_point(
 
 
 def _chamber(
-    parameters: ParameterSet, table: np.ndarray, sign: float, torque: float, speed: float
+    parameters: ParameterSet,
+    table: np.ndarray,
+    sign: float,
+    torque: float,
+    speed: float,
+    small_speed: float,
 ) -> Chamber:
     right = sign > 0.0
     p = controller_record(parameters, "right" if right else "left", table)[0]
@@ -103,7 +118,7 @@ def _chamber(
         *opening_for_flow(p, pressure, supply, area * speed)[:2],
         0.0,
     )
-    small_torque, small_speed, small_pressure = 1e-3, 1e-4, 1e2
+    small_torque, small_pressure = 1e-3, 1e2
     by_torque = reference(torque + small_torque, speed) - reference(torque - small_torque, speed)
     by_speed = reference(torque, speed + small_speed) - reference(torque, speed - small_speed)
     faster = _feed_forward(p, pressure, supply, area * (speed + small_speed))
