@@ -21,6 +21,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
+            "rig_bridge_node = rig_bridge.bridge_node:main",
             "rig_emulator = rig_bridge.emulator.main:main",
         ],
     },

@@ -36,7 +36,15 @@ MORE: dict[str, set[str]] = {
 
 ROS_MODULES = {
     f"steering_lockstep.{name}"
-    for name in ("diagnostics", "endpoints", "node", "spinner", "standalone", "worker")
+    for name in (
+        "diagnostics",
+        "endpoints",
+        "free_clock",
+        "node",
+        "spinner",
+        "standalone",
+        "worker",
+    )
 }
 ROS_MODULES |= {"steering_bringup.playback.publishers", "steering_bringup.cli.play"}
 ROS_MODULES |= {
@@ -61,6 +69,7 @@ ROS_PACKAGES = {
     "rosgraph_msgs",
     "sensor_msgs",
     "std_msgs",
+    "std_srvs",
     "steering_msgs",
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from time import monotonic_ns
 
+from rig_bridge.clock_offset import ClockOffset
 from rig_bridge.latency import Latency
 from rig_bridge.rig_file import RigFile
 from rig_bridge.safety.guard import Guard, Reply
@@ -23,6 +24,9 @@ ORDERS = {
 class Bridge:
     """Each tick ``receive``, then ``answer``. The rig is the clock: ``receive`` waits for it.
 
+    ``latency``: from a measurement's arrival to its command on the wire; ``since_measured``: from
+    the measurement itself by the rig's clock, less the shortest way. A measurement that is
+    answered with an old command (``held``) counts until a newer one is on the wire.
     clock: this machine's clock in ns; given by tests.
     """
 
@@ -32,6 +36,10 @@ class Bridge:
         self.clock = clock
         self.guard = Guard(rig, link.sequence_bits)
         self.latency = Latency()
+        self.since_measured = Latency()
+        self.offset = ClockOffset()
+        self.open_ticks: list[tuple[int, int]] = []
+        self.held = 0
         self.sequence = 0
         self.arrived_ns = 0
 
@@ -42,20 +50,48 @@ class Bridge:
         """
         frames = self.link.receive_frames(timeout_s)
         self.arrived_ns = self.clock()
-        return self.guard.measure(frames, self.arrived_ns, link_up=self.link.up)
+        measured = self.guard.measure(frames, self.arrived_ns, link_up=self.link.up)
+        if self.guard.measurements.fresh:
+            rig_ns = self.guard.measurements.clock.rig_ns
+            waited = 0 if rig_ns is None else self.offset.see(rig_ns, self.arrived_ns)
+            self.open_ticks.append((self.arrived_ns, waited))
+        return measured
+
+    @property
+    def periods(self) -> list[tuple[float, ...]]:
+        """Measured values, SI, of each period of the rig that began since the last ``receive``."""
+        return self.guard.measurements.periods
 
     def answer(
-        self, asked: Mapping[str, float], *, asked_age: int = 0, reset: bool = False
+        self,
+        asked: Mapping[str, float],
+        *,
+        asked_age: int = 0,
+        late: str | None = None,
+        reset: bool = False,
     ) -> Reply:
         """Send the commands of this tick, as far as the guard lets them through."""
-        reply = self.guard.command(asked, asked_age=asked_age, reset=reset)
-        values = tuple(reply.commands[name] for name in self.rig.commanded)
-        answers = self.guard.measurements.frames.last or 0
-        self.link.send_demand(Demand(self.sequence, answers, ORDERS[reply.state], values))
-        self.sequence += 1
-        if reply.fresh:
-            self.latency.add(self.clock() - self.arrived_ns)
+        was = self.guard.state
+        reply = self.guard.command(asked, asked_age=asked_age, late=late, reset=reset)
+        if was is State.SAFE and reply.state is State.CHECKING:
+            self.offset.reset()
+        self._send(ORDERS[reply.state], reply.commands)
+        if asked_age > 0:
+            self.held += reply.fresh
+        else:
+            self._close_ticks()
         return reply
+
+    def hold(self) -> None:
+        """Tell the rig to be safe, whatever the state; at the end of a run."""
+        self.guard.commands.make_safe()
+        self._send(Order.HOLD, self.guard.commands.sent)
+
+    def reset_report(self) -> None:
+        """Begin to count latencies again."""
+        self.latency.reset()
+        self.since_measured.reset()
+        self.held = 0
 
     def report(self) -> dict[str, float | int | str | None]:
         """Return latency and counts so far, and why the rig is safe if it is."""
@@ -64,5 +100,18 @@ class Bridge:
         counts["lost_frames"] = frames.lost
         reasons = {"fault": None if self.guard.fault is None else str(self.guard.fault)}
         link = {"bad_packets": self.link.bad, "link_problem": self.link.problem}
-        limited = {"limited_commands": self.guard.commands.limited}
+        limited = {"limited_commands": self.guard.commands.limited, "held": self.held}
         return {**self.latency.report(), **counts, **link, **limited, **reasons}
+
+    def _send(self, order: Order, commands: Mapping[str, float]) -> None:
+        values = tuple(commands[name] for name in self.rig.commanded)
+        answers = self.guard.measurements.frames.last or 0
+        self.link.send_demand(Demand(self.sequence, answers, order, values))
+        self.sequence += 1
+
+    def _close_ticks(self) -> None:
+        now = self.clock()
+        for arrived, waited in self.open_ticks:
+            self.latency.add(now - arrived)
+            self.since_measured.add(now - arrived + waited)
+        self.open_ticks.clear()

@@ -23,7 +23,7 @@ def check_physics(plan: Plan) -> None:
     if not any(cache_folder().rglob("*.nbi")):
         print("compiling the kernels (once after each change of the code) ...", file=sys.stderr)
     step_once(build_cores(plan.scenario, plan.node_set))
-    delay = valve_loop_delay(plan.graph)
+    delay = valve_loop_delay(plan.graph) + (plan.rig.rig.delay if plan.rig else 0)
     if delay:
         # Without delays the controllers themselves have just been judged as they were built.
         try:

@@ -13,6 +13,7 @@ from steering_bringup.direct.effects import loop_for
 from steering_bringup.direct.runner import Cores
 from steering_bringup.errors import BenchError
 from steering_bringup.lane_keeping.keeper import LaneKeeper
+from steering_bringup.rig_runs import RIG_KIND
 from steering_bringup.schema import NodeSet, Scenario
 from steering_bringup.valve_controllers import control_modules, valve_controllers
 from steering_core.parameters import ParameterError
@@ -134,6 +135,7 @@ def node_parameters(scenario: Scenario, node_set: NodeSet) -> dict[str, dict[str
     return {
         name: shared | _own(scenario, node_set, entry.kind) | dict(entry.parameters)
         for name, entry in node_set.nodes.items()
+        if entry.kind != RIG_KIND  # a rig is what it is
     }
 
 

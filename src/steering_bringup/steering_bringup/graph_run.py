@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from steering_bringup.cores import build_cores, node_parameters, rest_values
@@ -13,6 +14,7 @@ from steering_bringup.process_age import process_age
 from steering_bringup.progress import Bar
 
 if TYPE_CHECKING:
+    from steering_bringup.rig_runs import Connection
     from steering_lockstep.outcome import Progress, RunResult
     from steering_lockstep.zygote import Zygote
 
@@ -23,7 +25,12 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
 
     scenario = plan.scenario
     age = process_age()
-    with Bar(plan.node_set.name, scenario.duration) as bar:
+    with ExitStack() as stack:
+        bar = stack.enter_context(Bar(plan.node_set.name, scenario.duration))
+        bar.update(0, 0.0, "starting")
+        connection = None
+        if plan.rig is not None:
+            connection = stack.enter_context(plan.rig.connected())
 
         def show(progress: Progress) -> None:
             bar.update(progress.tick, progress.real_time_factor, progress.phase)
@@ -31,7 +38,7 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
         result = run_graph(
             plan.graph,
             scenario.ticks,
-            parameters=_parameters(plan),
+            parameters=_parameters(plan, connection),
             rest=_rest(plan),
             layout=plan.layout,
             real_time=plan.manner.real_time,
@@ -39,7 +46,9 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
             on_progress=show,
             zygote=zygote,
             domain=plan.manner.domain,
+            urgent=plan.rig is not None,
         )
+        notes = [] if connection is None else connection.notes()
     outcome = Outcome(
         scenario.name,
         plan.node_set.name,
@@ -53,12 +62,16 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
         error=_error(result),
         stopped_by=result.stopped_by,
         latency=result.latency,
+        rig=result.node_results.get(plan.graph.clock.name, {}).get("rig"),
+        notes=notes,
     )
     return _with_bag(plan, outcome)
 
 
-def _parameters(plan: Plan) -> dict[str, dict[str, Any]]:
+def _parameters(plan: Plan, connection: Connection | None) -> dict[str, dict[str, Any]]:
     parameters = node_parameters(plan.scenario, plan.node_set)
+    if connection is not None:
+        parameters[plan.graph.clock.name] = connection.parameters
     for name, replay in plan.replays.items():
         parameters[name] = {"bag": str(replay.bag)}
     if plan.bag is not None:
@@ -68,8 +81,8 @@ def _parameters(plan: Plan) -> dict[str, dict[str, Any]]:
 
 
 def _rest(plan: Plan) -> dict[str, tuple[float, ...]]:
-    """Return the rest values; nobody needs them, and the cores to compute them, without delays."""
-    if not connection_delays(plan.graph):
+    """Return the rest values, which delayed inputs and a rig before tick 0 need."""
+    if not connection_delays(plan.graph) and plan.rig is None:
         return {}
     return rest_values(build_cores(plan.scenario, plan.node_set))
 
@@ -87,12 +100,14 @@ def _error(result: RunResult) -> str | None:
 
 def _with_bag(plan: Plan, outcome: Outcome) -> Outcome:
     """Look into the bag: how much it holds, the largest values, and whether it is whole."""
-    from steering_bringup.bags import BagError, read_bag
+    from steering_bringup.bags import BagError, note_in_bag, read_bag
 
     if plan.bag is None or not plan.bag.exists():
         return outcome
     outcome.bag = plan.bag
     try:
+        if outcome.rig is not None:
+            note_in_bag(plan.bag, {"rig_run": outcome.rig})
         trace = read_bag(plan.bag)
     except BagError as error:
         outcome.notes.append(str(error))

@@ -21,7 +21,7 @@ class Outcome:
 
     ``messages``: recorded; ``lost``: gaps {topic: n}; ``peaks``: largest values {name: (value,
     unit)}; ``error``: why it failed; ``stopped_by``: the signal that ended it; ``latency``: s,
-    in real time only.
+    in real time only; ``rig``: report of the rig, where one was the plant.
     """
 
     scenario: str
@@ -40,6 +40,7 @@ class Outcome:
     stopped_by: str | None = None
     latency: dict[str, float] | None = None
     notes: list[str] = field(default_factory=list)
+    rig: dict[str, Any] | None = None
 
     @property
     def ok(self) -> bool:

@@ -10,10 +10,13 @@ from typing import Any, Literal
 from steering_bringup.errors import BenchError
 from steering_bringup.graphs import build_graph, connection_delays, connections
 from steering_bringup.replays import REPLAY_KIND, Replay, load_replay
+from steering_bringup.rig_runs import RIG_KIND, RigChoice, rig_layout, with_rig
 from steering_bringup.scenario_files import load_node_set
 from steering_bringup.schema import NodeSet, Scenario
 from steering_lockstep.graph import CLOCK, Graph, NodeSpec
 from steering_lockstep.settings import RunSettings
+
+Layout = Literal["one", "each"] | dict[str, str]
 
 ODOMETRY = "/vehicle/odometry"
 DIRECT_KINDS = (
@@ -47,7 +50,8 @@ class Manner:
 class Plan:
     """One run of a scenario with one node set.
 
-    ``bag``: where it is recorded, None: nowhere; ``replays``: nodes that a bag stands for.
+    ``bag``: where it is recorded, None: nowhere; ``replays``: nodes that a bag stands for;
+    ``rig``: what takes the plant's place.
     """
 
     scenario: Scenario
@@ -57,10 +61,13 @@ class Plan:
     bag: Path | None = None
     parameters: Mapping[str, float] = field(default_factory=dict)
     replays: Mapping[str, Replay] = field(default_factory=dict)
+    rig: RigChoice | None = None
 
     @property
-    def layout(self) -> Literal["one", "each"]:
-        """Which nodes share a process: all of them or none."""
+    def layout(self) -> Layout:
+        """Which nodes share a process: all of them, none, or as a rig wants it."""
+        if self.manner.processes is None and self.rig is not None:
+            return rig_layout(self.graph)
         return self.manner.processes or self.node_set.processes
 
     def metadata(self) -> dict[str, Any]:
@@ -77,12 +84,14 @@ class Plan:
             layout=self.layout if self.manner.runner == "graph" else None,
             runner=self.manner.runner,
             real_time=self.manner.real_time,
+            rig=None if self.rig is None else self.rig.metadata(),
             replayed={name: replay.origin() for name, replay in self.replays.items()},
         )
 
     def notes(self) -> list[str]:
         """Return what a reader of the results must know about their inputs."""
-        return [
+        rig = [] if self.rig is None else self.rig.notes(self.scenario.effects)
+        return rig + [
             text
             for name, replay in self.replays.items()
             for text in (f"node '{name}' was replayed from '{replay.bag}'", *replay.notes)
@@ -95,13 +104,17 @@ def make_plan(
     manner: Manner,
     bag: Path | None,
     from_bag: Mapping[str, Path] | None = None,
+    rig: RigChoice | None = None,
 ) -> Plan:
     """Return the checked plan of one run; BenchError tells what cannot run.
 
-    ``from_bag``: {node: bag that stands for it}.
+    ``from_bag``: {node: bag that stands for it}; ``rig``: what takes the plant's place.
     """
     from_bag = from_bag or {}
     direct = manner.runner == "direct"
+    if rig is not None:
+        node_set = with_rig(node_set, rig)
+        _check_one_plant(node_set, from_bag)
     record = bag is not None and not direct
     graph = build_graph(
         node_set, scenario.delays, truth=scenario.truth, record=record, replayed=from_bag
@@ -111,7 +124,7 @@ def make_plan(
     parameters = scenario.parameter_values().flat()
     run = RunSettings(graph, scenario.ticks)
     replays = {name: load_replay(graph.node(name), run, path) for name, path in from_bag.items()}
-    return Plan(scenario, node_set, graph, manner, bag, parameters, replays)
+    return Plan(scenario, node_set, graph, manner, bag, parameters, replays, rig)
 
 
 def for_node_set(scenario: Scenario, node_set: NodeSet, all_sets: Iterable[NodeSet]) -> Scenario:
@@ -143,6 +156,12 @@ def valve_loop_delay(graph: Graph) -> int:
         if node.kind == "valve_controller"
     ]
     return max(ways, default=0)
+
+
+def _check_one_plant(node_set: NodeSet, from_bag: Mapping[str, Path]) -> None:
+    for name, entry in node_set.nodes.items():
+        if name in from_bag and entry.kind == RIG_KIND:
+            raise BenchError(f"'{name}' is the rig's place: leave out --from-bag {name}=...")
 
 
 def _check_direct(graph: Graph) -> None:

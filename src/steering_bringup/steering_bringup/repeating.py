@@ -25,6 +25,11 @@ def plan_from_bag(trace: Trace, bag: Path, *, runner: Any = None, processes: Any
     for key in ("scenario", "node_set", "parameters"):
         if not run.get(key):
             raise BenchError(f"bag '{trace.path}' does not say with which {key} it was made")
+    if run.get("rig"):
+        raise BenchError(
+            f"bag '{trace.path}' is a run with a rig, which no two times does the same: replay its "
+            "measurements with steer run --from-bag plant=BAG --no-truth"
+        )
     # The values themselves count, not the name of a set that may have changed since.
     data = {**run["scenario"], "parameter_set": "nominal", "parameters": run["parameters"]}
     scenario = restore(Scenario, data, f"bag '{trace.path}', scenario")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from steering_bringup.outcome import Outcome
 
 
@@ -10,6 +12,8 @@ def lines(outcome: Outcome) -> list[str]:
     shown = [_headline(outcome)]
     if outcome.latency:
         shown.append(_latency(outcome.latency))
+    if outcome.rig is not None:
+        shown += _rig(outcome.rig)
     if outcome.bag is not None:
         lost = sum(outcome.lost.values())
         shown.append(f"  recorded     {outcome.messages} messages, {lost} lost: {outcome.bag}")
@@ -33,6 +37,34 @@ def _headline(outcome: Outcome) -> str:
 def _latency(latency: dict[str, float]) -> str:
     times = ", ".join(f"{n} {latency[n] * 1e6:.0f} us" for n in ("p50", "p99", "max"))
     return f"  latency      {times}; {latency['overruns']:.0f} overruns"
+
+
+def _rig(rig: dict[str, Any]) -> list[str]:
+    """Return state, latency and counts of a rig."""
+    changes = rig["changes"]
+    since = changes[-1]["tick"] if changes else None
+    state = rig["state"] if since is None else f"{rig['state']} since tick {since}"
+    shown = [f"  rig          {rig['rig']}: {state}"]
+    if rig.get("fault"):
+        shown.append(f"  fault        {rig['fault']}")
+    if "p50" not in rig:
+        return shown
+    times = ", ".join(f"{n} {rig[n] * 1e6:.0f} us" for n in ("p50", "p99", "max"))
+    share = 100.0 * rig["late"] / max(rig["ticks"], 1)
+    shown.append(f"  latency      {times}; {rig['late']} late ticks ({share:.2f} %)")
+    names = {
+        "held": "answered with held values",
+        "lost_frames": "frames lost",
+        "late_frames": "late",
+        "repeated_frames": "repeated",
+        "bad_packets": "bad packets",
+        "limited_commands": "commands limited",
+    }
+    counts = [f"{rig[name]} {text}" for name, text in names.items()]
+    shown += [f"  counts       {', '.join(counts[:4])}", f"               {', '.join(counts[4:])}"]
+    if rig.get("clock_drift") is not None:
+        shown.append(f"  rig's clock  {rig['clock_drift'] * 1e6:+.1f} ppm slow against this one's")
+    return shown
 
 
 def _peaks(outcome: Outcome) -> list[str]:

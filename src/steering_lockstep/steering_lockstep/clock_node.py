@@ -37,6 +37,11 @@ class ClockNode(LockstepNode):
         if self.has_recorder:
             self._subscribe(CREDIT, self._more_credit)
 
+    @property
+    def preparing(self) -> bool:
+        """Whether the clock itself makes the nodes wait for tick 0."""
+        return False
+
     def start(self) -> None:
         """Publish tick 0; called once when every endpoint is matched."""
         self.diagnostics.tell(OK, "running", 0)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -29,15 +30,20 @@ class Diagnostics:
         )
         self._publisher = node.create_publisher(DiagnosticArray, DIAGNOSTICS, qos)
 
-    def tell(self, level: Any, text: str, tick: int) -> None:
-        """Publish ``level`` and ``text``, stamped with ``tick``, if they are not the last ones."""
-        if (level, text) == self._last:
+    def tell(
+        self, level: Any, text: str, tick: int, values: Mapping[str, str] | None = None
+    ) -> None:
+        """Publish ``level`` and ``text``, stamped with ``tick``, if they are not the last ones.
+
+        ``values``: numbers beside them, published in any case.
+        """
+        if (level, text) == self._last and not values:
             return
         self._last = (level, text)
         message = DiagnosticArray()
         message.header.stamp.sec = tick // TICKS_PER_SECOND
         message.header.stamp.nanosec = tick % TICKS_PER_SECOND * NANOSECONDS_PER_TICK
-        message.status = [
-            DiagnosticStatus(level=level, name=self._name, message=text, hardware_id="bench")
-        ]
+        status = DiagnosticStatus(level=level, name=self._name, message=text, hardware_id="bench")
+        status.values = [KeyValue(key=k, value=v) for k, v in (values or {}).items()]
+        message.status = [status]
         self._publisher.publish(message)

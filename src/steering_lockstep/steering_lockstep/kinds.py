@@ -15,6 +15,7 @@ FACTORIES = {
     "lane_keeper": "steering_bringup.lane_keeping.lane_keeper_node:make",
     "driver": "driver_model.driver_node:make",
     "vehicle": "vehicle_model.vehicle_node:make",
+    "rig_bridge": "rig_bridge.bridge_node:make",
     "recorder": "steering_bringup.recorder_node:make",
     "replay": "steering_bringup.replay_node:make",
 }

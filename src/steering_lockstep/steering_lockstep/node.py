@@ -31,13 +31,14 @@ class LockstepNode(Node):
     """Base of all nodes.
 
     ``build``: makes the core from the node's parameter values. A core has ``step(tick, *values)``
-    and leaves its results in the float64 array ``out``; ``ports`` says which fields they are. A
-    subclass with further outputs overrides ``publish``. When the node has done the last of its
-    ticks it calls ``on_finished``; an error in a callback goes to ``on_error``. Both are set by
-    whoever spins the node.
+    and leaves its results in the float64 array ``out``; ``ports`` says which fields they are, and
+    ``collector`` gathers the inputs. A subclass with further outputs overrides ``publish``. When
+    the node has done the last of its ticks it calls ``on_finished``; an error in a callback goes
+    to ``on_error``. Both are set by whoever spins the node.
     """
 
     ports = Ports()
+    collector: type[Barrier] = Barrier
 
     def __init__(
         self,
@@ -68,7 +69,7 @@ class LockstepNode(Node):
         self.published: dict[str, int] = {}
         self.on_finished: Callable[[], None] = _nothing
         self.on_error: Callable[[LockstepError], None] = _raise
-        self.barrier = Barrier(spec.name, run.inputs(spec), spec.period)
+        self.barrier = self.collector(spec.name, run.inputs(spec), spec.period)
         self._pick = picker(spec, self.ports)
         self.core: Any = None if build is None else self._warm(build)
         self._publishers_of: dict[str, Any] = {}

@@ -29,7 +29,8 @@ class RunError:
     """Why a run failed.
 
     ``kind``: "timeout" (a missing output), "start" (a node did not start or match), "died" (a
-    process ended on its own), "not_finite", "size", "order", "core" (a core raised), "record".
+    process ended on its own), "not_finite", "size", "order", "core" (a core raised), "record",
+    "rig" (the hardware was made safe).
     """
 
     kind: str

@@ -37,6 +37,7 @@ def run_graph(
     domain: int | None = None,
     zygote: Zygote | None = None,
     executor: str | None = None,
+    urgent: bool = False,
 ) -> RunResult:
     """Run ``graph`` for ``ticks`` ticks over DDS and return what happened.
 
@@ -47,13 +48,14 @@ def run_graph(
     until the first tick; ``grace``: to close in order before being killed. ``on_progress`` is
     called from the caller's thread about ten times a second and at each change of phase.
     ``domain``: ROS_DOMAIN_ID, by default a free one. ``zygote``: see ``preload``. ``executor``:
-    "module:function" of another rclpy executor, for comparison.
+    "module:function" of another rclpy executor, for comparison. ``urgent``: wall time counts
+    (hardware is the clock): the nodes' processes are real-time ones where this is permitted.
 
     Never raises for a failing run: the reason is ``RunResult.error``. SIGINT and SIGTERM end the
     run in order (``stopped_by``; a second one at once); no process is left when it returns.
     """
     called = monotonic_ns()
-    settings = RunSettings(graph, ticks, dict(rest or {}), real_time)
+    settings = RunSettings(graph, ticks, dict(rest or {}), real_time, urgent)
     try:
         claim = claim_domain(domain)
     except DomainError as error:

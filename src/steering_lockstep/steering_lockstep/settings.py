@@ -15,12 +15,16 @@ CREDIT_EVERY = 100
 
 @dataclass(frozen=True)
 class RunSettings:
-    """``ticks``: 0 to ticks - 1; ``rest``: values before a delayed input's first message."""
+    """``ticks``: 0 to ticks - 1; ``rest``: values before a delayed input's first message.
+
+    ``urgent``: wall time counts, because hardware is the clock.
+    """
 
     graph: Graph
     ticks: int
     rest: Mapping[str, Sequence[float]] = field(default_factory=dict)
     real_time: bool = False
+    urgent: bool = False
 
     def every(self, name: str) -> int:
         """Return the ticks between two messages on topic ``name``."""

@@ -162,6 +162,8 @@ class Supervision:
             child.ready = True
         elif word == "progress":
             self._moved_to(value)
+        elif word == "preparing":
+            self.moved = monotonic()
         elif word == "reports":
             now = monotonic()
             self.reports.update({name: (now, report) for name, report in value.items()})

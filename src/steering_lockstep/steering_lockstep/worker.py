@@ -1,6 +1,7 @@
 """The program of a node process: build the nodes, match, run, close, and tell the supervisor.
 
 Messages to the supervisor: ("matching", [what is missing]), ("ready",), ("progress", tick),
+("preparing",),
 ("reports", {node: Report}), ("finished", CPU seconds since "go"),
 ("error", RunError), ("result", {node: result}).
 From the supervisor: "go", "stop", "close". A supervisor that goes away means "stop".
@@ -24,6 +25,7 @@ from steering_lockstep.kinds import factory
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.outcome import RunError
 from steering_lockstep.spinner import Spinner
+from steering_lockstep.urgency import hurry
 from steering_lockstep.worker_job import Job
 
 MATCHING_STEP = 0.005
@@ -108,6 +110,8 @@ def _executor(job: Job, context: Context) -> Any:
 def _run(link: Link, spinner: Spinner) -> None:
     if not _match(link, spinner):
         return
+    if spinner.nodes[0].run.urgent:
+        hurry([node.spec.kind for node in spinner.nodes])
     began = process_time()
     threading.Thread(target=_watch, args=(link, spinner), daemon=True).start()
     spinner.run()
@@ -142,7 +146,9 @@ def _watch(link: Link, spinner: Spinner) -> None:
         if word is not None:
             _heed(link, spinner, word)
         ticks = tuple(node.barrier.tick for node in spinner.nodes)
-        if ticks == before:
+        if clock is not None and clock.preparing:
+            link.send("preparing")
+        elif ticks == before:
             link.send("reports", {node.spec.name: node.report() for node in spinner.nodes})
         elif clock is not None:
             link.send("progress", clock.barrier.tick)

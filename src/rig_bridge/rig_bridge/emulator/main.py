@@ -13,6 +13,7 @@ from typing import Any
 
 from rig_bridge.emulator.rig import PERIOD_NS, EmulatedRig
 from rig_bridge.emulator.settings import EmulatorSettings, load_settings
+from rig_bridge.helpers import end_with_input
 from rig_bridge.rig_file import RigFile, load_rig
 from rig_bridge.transport.link import Link
 from rig_bridge.transport.registry import TRANSPORTS, open_link
@@ -34,6 +35,9 @@ def parser() -> argparse.ArgumentParser:
     )
     arguments.add_argument("--link", choices=sorted(TRANSPORTS), default="udp")
     arguments.add_argument("--setting", action="append", default=[], metavar="NAME=VALUE")
+    arguments.add_argument(
+        "--attached", action="store_true", help="end when standard input is closed"
+    )
     arguments.add_argument("--duration", type=float, default=float("inf"), metavar="S")
     return arguments
 
@@ -62,6 +66,8 @@ def main() -> int:
     """Run the emulated rig; prints one line of JSON when it is ready and one at the end."""
     arguments = parser().parse_args()
     signal.signal(signal.SIGTERM, _stop)
+    if arguments.attached:
+        end_with_input()
     try:
         path = Path(arguments.rig)
         table: RigFile = load_rig(path)

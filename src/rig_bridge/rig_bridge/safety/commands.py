@@ -21,13 +21,16 @@ class Commands:
         self.sent = dict(self.safe)
         self.limited = 0
 
-    def fault(self, asked: Mapping[str, float], age: int) -> Fault | None:
-        """Return what is wrong with what is asked; ``age`` in ticks since it was new."""
+    def fault(self, asked: Mapping[str, float], age: int, source: str | None) -> Fault | None:
+        """Return what is wrong with what is asked.
+
+        age: ticks since it was new. source: what is late where it is not new.
+        """
         for name in self.channels:
             if not isfinite(asked[name]):
                 return Fault(Kind.COMMAND_NOT_FINITE, name, f"{asked[name]}")
         if age >= self.stale_ticks:
-            return Fault(Kind.COMMAND_STALE, None, f"for {age} ticks")
+            return Fault(Kind.COMMAND_STALE, source, f"for {age} ticks")
         return None
 
     def make_safe(self) -> None:

@@ -51,15 +51,16 @@ class Guard:
         asked: Mapping[str, float],
         *,
         asked_age: int = 0,
+        late: str | None = None,
         reset: bool = False,
         link_up: bool = True,
     ) -> Reply:
         """Do one tick; called once a period, also when no frame has come.
 
-        frames, now_ns, link_up: see ``measure``. asked, asked_age, reset: see ``command``.
+        frames, now_ns, link_up: see ``measure``. asked, asked_age, late, reset: see ``command``.
         """
         self.measure(frames, now_ns, link_up=link_up)
-        return self.command(asked, asked_age=asked_age, reset=reset)
+        return self.command(asked, asked_age=asked_age, late=late, reset=reset)
 
     def measure(
         self, frames: Iterable[Frame], now_ns: int, *, link_up: bool = True
@@ -75,31 +76,39 @@ class Guard:
         return self.measurements.values
 
     def command(
-        self, asked: Mapping[str, float], *, asked_age: int = 0, reset: bool = False
+        self,
+        asked: Mapping[str, float],
+        *,
+        asked_age: int = 0,
+        late: str | None = None,
+        reset: bool = False,
     ) -> Reply:
         """End a tick: decide what the rig is told.
 
-        asked: the bench's commands, SI, by name, and their age in ticks. reset: leaves the safe
-        state when it becomes true.
+        asked: the bench's commands, SI, by name, and their age in ticks; late: who owes newer ones.
+        reset: leaves the safe state when it becomes true.
         """
         wrong, was = self.wrong, self.state
         pressed = reset and not self.reset_was_held
         self.reset_was_held = reset
-        seen = Seen(self._is_fault(wrong, asked, asked_age), *self._progress(wrong), pressed)
+        is_fault = self._is_fault(wrong, asked, asked_age, late)
+        seen = Seen(is_fault, *self._progress(wrong), pressed)
         self.state = next_state(was, seen)
         self._enter(was)
         self._send(asked)
         fresh = self.measurements.fresh
         return Reply(self.state, dict(self.commands.sent), self.measurements.values, fresh)
 
-    def _is_fault(self, wrong: Fault | None, asked: Mapping[str, float], age: int) -> bool:
+    def _is_fault(
+        self, wrong: Fault | None, asked: Mapping[str, float], age: int, late: str | None
+    ) -> bool:
         """Note the fault, if there is one in this state."""
         if self.state is State.SAFE:
             return False  # it is safe already, and the start-up checks follow a reset
         if self.state is State.CHECKING:
             wrong = self.start_up.fault()  # anything less only delays the checks
         elif wrong is None:
-            wrong = self.commands.fault(asked, age)
+            wrong = self.commands.fault(asked, age, late)
         if wrong is not None:
             self.fault = wrong
         return wrong is not None

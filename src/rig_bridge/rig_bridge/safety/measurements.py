@@ -21,7 +21,11 @@ class Resettable(Protocol):
 
 
 class Measurements:
-    """Takes a tick's frames; ``values`` are what may be used, SI, by name."""
+    """Takes a tick's frames; ``values`` are what may be used, SI, by name.
+
+    ``periods``: a row of values for each period of the rig since the last tick; one whose frame
+    was lost holds the values before it (as many of them as are a fault at most).
+    """
 
     def __init__(self, rig: RigFile, sequence_bits: int) -> None:
         self.frames = FrameWatch(rig.watching, sequence_bits)
@@ -31,6 +35,8 @@ class Measurements:
         self.relations = [RelationWatch(name, entry) for name, entry in rig.relations.items()]
         self.rates = [RateWatch(name, pair) for name, pair in rig.rates.items()]
         self.fresh = False
+        self.periods: list[tuple[float, ...]] = []
+        self.most_held = rig.watching.stale_ticks
 
     def reset(self) -> None:
         """Take the next frame as the first; the usable values stay."""
@@ -49,12 +55,18 @@ class Measurements:
         """Take the frames that came since the last tick; return the first thing that is wrong."""
         new = self.frames.tick(frames)
         self.fresh = bool(new)
+        self.periods = []
         found = [self.frames.fault()]
         for index, (frame, steps) in enumerate(new):
             newest = index == len(new) - 1
+            self.periods += [self._row()] * min(steps - 1, self.most_held)
             found.append(self.clock.see(frame.rig_ns, steps, now_ns if newest else None))
             found += self._see(frame, steps, sent)
+            self.periods.append(self._row())
         return next((fault for fault in found if fault is not None), None)
+
+    def _row(self) -> tuple[float, ...]:
+        return tuple(watch.good for watch in self.channels)
 
     def _see(self, frame: Frame, steps: int, sent: Mapping[str, float]) -> list[Fault | None]:
         pairs = zip(self.channels, frame.values, strict=True)

@@ -10,7 +10,10 @@ from rig_bridge.watching import Watching
 
 
 class StartUp:
-    """Counts good ticks in a row; anything wrong starts the count again, the time-out ends it."""
+    """Counts good ticks in a row; anything wrong starts the count again, the time-out ends it.
+
+    ``last_wrong`` names every channel that failed.
+    """
 
     def __init__(self, watching: Watching) -> None:
         self.watching = watching
@@ -32,13 +35,12 @@ class StartUp:
             self.good, self.last_wrong = 0, wrong
             return False
         self.good += 1
-        still = next((channel.name for channel in channels if not channel.is_alive()), None)
+        still = [watch.name for watch in channels if not watch.is_alive()]
         if self.good < self.watching.check_ticks:
             return False
-        if still is not None:
-            self.last_wrong = f"{still}: does not move at all"
-            return False
-        return True
+        if still:
+            self.last_wrong = "; ".join(f"{name}: does not move at all" for name in still)
+        return not still
 
     def fault(self) -> Fault | None:
         """Return the failure of the checks once their time is over."""
@@ -49,9 +51,10 @@ class StartUp:
     def _implausible(self, channels: Sequence[ChannelWatch], fresh: bool) -> str | None:
         if not fresh:
             return self.last_wrong if self.good == 0 else "a tick without measurements"
-        for watch in channels:
-            if not watch.is_plausible():
-                low, high = watch.channel.plausible or watch.channel.range
-                value = f"{watch.seen} {watch.channel.unit}"
-                return f"{watch.name}: {value} is not plausible ({low:g} to {high:g})"
-        return None
+        return "; ".join(_describe(watch) for watch in channels if not watch.is_plausible()) or None
+
+
+def _describe(watch: ChannelWatch) -> str:
+    low, high = watch.channel.plausible or watch.channel.range
+    value = "no value" if watch.seen is None else f"{watch.seen:g} {watch.channel.unit}"
+    return f"{watch.name}: {value} is not plausible ({low:g} to {high:g})"

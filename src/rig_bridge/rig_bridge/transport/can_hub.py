@@ -1,12 +1,15 @@
 """A CAN bus on a TCP port of this machine, for machines without one: speaks as socketcand does.
 
-What one client sends, all others receive. python-can opens it as interface "socketcand".
+What one client sends, all others receive. python-can opens it as interface "socketcand". As a
+program it takes the port (0: any free one), prints it, and ends with its standard input.
 """
 
 from __future__ import annotations
 
+import json
 import selectors
 import socket
+import sys
 import threading
 import time
 
@@ -96,3 +99,15 @@ class CanHub:
             del self.rest[client]
             self.on_bus.discard(client)
             client.close()
+
+
+def main() -> None:
+    """Serve a bus until standard input is closed."""
+    hub = CanHub(port=int(sys.argv[1]))
+    print(json.dumps({"port": hub.port}), flush=True)
+    sys.stdin.read()
+    hub.close()
+
+
+if __name__ == "__main__":
+    main()

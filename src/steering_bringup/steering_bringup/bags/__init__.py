@@ -2,6 +2,7 @@
 
 from steering_bringup.bags.equality import Difference, first_difference
 from steering_bringup.bags.errors import BagError
+from steering_bringup.bags.notes import note_in_bag
 from steering_bringup.bags.reader import read_bag
 from steering_bringup.bags.recovery import Recovery, repair
 from steering_bringup.bags.run_metadata import run_metadata
@@ -16,6 +17,7 @@ __all__ = [
     "Recovery",
     "Trace",
     "first_difference",
+    "note_in_bag",
     "read_bag",
     "repair",
     "run_metadata",

@@ -25,14 +25,14 @@ def run_metadata(
     overrides: Mapping[str, Any] | None = None,
     effects: Mapping[str, Any] | None = None,
     domain: int | None = None,
-    layout: str | None = None,
+    layout: str | Mapping[str, str] | None = None,
     runner: str = "graph",
     **more: Any,
 ) -> dict[str, Any]:
     """Everything that a run depends on, ready for YAML and JSON.
 
     parameters: flat names -> values as used, overrides included; overrides: those that were
-    changed; layout: process layout ("one", "each"); runner: "graph" or "direct".
+    changed; layout: process layout ("one", "each" or {node: process}); runner: "graph" or "direct".
     """
     data = {
         "schema": SCHEMA,

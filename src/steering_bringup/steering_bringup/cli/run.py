@@ -13,6 +13,7 @@ from steering_bringup.errors import BenchError
 if TYPE_CHECKING:
     from steering_bringup.outcome import Outcome
     from steering_bringup.plans import Manner, Plan
+    from steering_bringup.rig_runs import RigChoice
     from steering_bringup.schema import Scenario
 
 EXAMPLES = """examples:
@@ -22,6 +23,7 @@ EXAMPLES = """examples:
   steer run --processes each --real-time --duration 5
   steer run --direct --set manoeuvre.amplitude_deg=20
   steer run step --from-bag driver=results/step-1/closed_centre
+  steer run on_centre --node-set closed_centre --plant rig --rig-link can
   steer run --delay '/valve/left/command->plant=1' --delay '/valve/right/command->plant=1' \\
             --set valve_controller.resonance=400"""
 
@@ -58,6 +60,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     how = parser.add_argument_group("how it runs")
     add = how.add_argument
+    add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
+    add("--rig", metavar="RIG", help="rig by name or file (default: emulated); see docs/rig.md")
+    add("--rig-link", choices=("udp", "can"), help="link to the rig (default: as its file says)")
+    add(
+        "--rig-fault",
+        choices=("end", "hold"),
+        help="end the run when the rig is made safe, or hold it so until /rig/reset (default: end)",
+    )
     add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
     add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
     add("--real-time", action="store_true", help="pace the ticks to the wall clock")
@@ -76,6 +86,7 @@ def execute(options: argparse.Namespace) -> int:
     """Plan, run, compare, and tell."""
     from steering_bringup.session import run_all
 
+    options.choice = _rig(options)
     scenario = _scenario(options)
     folder = _folder(options, scenario.name)
     plans = _plans(options, scenario, folder)
@@ -97,6 +108,10 @@ def _scenario(options: argparse.Namespace) -> Scenario:
     from steering_bringup.scenario_files import check_scenario, find, open_scenario
 
     document = open_scenario(options.scenario)
+    if options.choice is not None:
+        given = document.data.get("parameters") or {}
+        missing = {n: v for n, v in options.choice.rig.parameters.items() if n not in given}
+        merge(document, missing, f"rig '{options.choice.rig.name}'")
     for path in options.set_file:
         set_file(document, path)
     for name in ("manoeuvre", "load"):
@@ -114,6 +129,20 @@ def _scenario(options: argparse.Namespace) -> Scenario:
     return check_scenario(document, find("scenario", options.scenario).parent)
 
 
+def _rig(options: argparse.Namespace) -> RigChoice | None:
+    """Return the rig that takes the plant's place, checked; None where the plant is simulated."""
+    if options.plant != "rig":
+        for name in ("rig", "rig_link", "rig_fault"):
+            if getattr(options, name):
+                raise BenchError(f"--{name.replace('_', '-')} is for --plant rig")
+        return None
+    from steering_bringup.rig_runs import choose_rig
+
+    if options.direct:
+        raise BenchError("a rig runs in wall time, through the ROS graph: leave out --direct")
+    return choose_rig(options.rig or "emulated", options.rig_link, options.rig_fault or "end")
+
+
 def _folder(options: argparse.Namespace, name: str) -> Path:
     from steering_bringup.checks import free_folder
 
@@ -127,13 +156,18 @@ def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> lis
     if options.record and (len(node_sets) > 1 or options.no_record):
         reason = "--no-record" if options.no_record else f"{len(node_sets)} node sets"
         raise BenchError(f"--record names one bag, but there is {reason}: use --out DIR")
+    label = "_rig" if options.choice else ""
     bags = {
-        node_set.name: (options.record or folder / node_set.name) if scenario.record else None
+        node_set.name: (options.record or folder / (node_set.name + label))
+        if scenario.record
+        else None
         for node_set in node_sets
     }
     manner, from_bag = _manner(options), _from_bag(options)
     return [
-        make_plan(for_node_set(scenario, n, node_sets), n, manner, bags[n.name], from_bag)
+        make_plan(
+            for_node_set(scenario, n, node_sets), n, manner, bags[n.name], from_bag, options.choice
+        )
         for n in node_sets
     ]
 

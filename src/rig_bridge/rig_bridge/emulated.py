@@ -1,0 +1,77 @@
+"""Starts what stands for a rig that is not there: the emulated one, with a CAN bus if needed."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from rig_bridge.helpers import Helper, helper
+from rig_bridge.rig_file import RigFile
+from rig_bridge.transport.settings import address
+from steering_core.errors import BenchError
+
+READY_S = 180.0
+"""Until the emulated rig is there: its kernels may have to be compiled first."""
+
+BUS_READY_S = 30.0
+
+
+@contextmanager
+def emulated(
+    path: Path, rig: RigFile, kind: str, priority: int = 0
+) -> Iterator[tuple[dict[str, Any], Helper]]:
+    """Start the emulated rig of the file ``path`` on its link; give the link's settings.
+
+    priority: of the real-time scheduler, where this is permitted; 0: none. Raises BenchError for a
+    link that leaves this machine.
+    """
+    assert rig.emulator is not None
+    settings = {name: v for name, v in rig.settings(kind).items() if v is not None}
+    with ExitStack() as stack:
+        if kind == "udp":
+            settings = {end: _place(str(place)) for end, place in settings.items()}
+        elif settings["interface"] == "socketcand":
+            _check_loopback(str(settings.get("host", "")))
+            port = str(settings.get("port", 0))
+            bus = stack.enter_context(helper("rig_bridge.transport.can_hub", [port], BUS_READY_S))
+            settings["port"] = bus.said["port"]
+            _hurry(bus, priority)
+        words = ["--attached", "--link", kind, "--rig", str(path)]
+        words += ["--emulator", str(path.parent / rig.emulator)]
+        words += [f"--setting={name}={value}" for name, value in settings.items()]
+        rig_process = stack.enter_context(helper("rig_bridge.emulator.main", words, READY_S))
+        _hurry(rig_process, priority)
+        yield settings, rig_process
+
+
+def _place(endpoint: str) -> str:
+    """Return HOST:PORT with a free port in place of 0."""
+    host, port = address(endpoint)
+    _check_loopback(host)
+    if port:
+        return endpoint
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind((host, 0))
+        return f"{host}:{probe.getsockname()[1]}"
+
+
+def _check_loopback(host: str) -> None:
+    with suppress(ValueError):
+        if host == "localhost" or ipaddress.ip_address(host).is_loopback:
+            return
+    raise BenchError(
+        f"an emulated rig stays on this machine, but its link leads to '{host}': name 127.0.0.1, "
+        "or leave out 'emulator' in the rig's file if it is hardware"
+    )
+
+
+def _hurry(process: Helper, priority: int) -> None:
+    if priority:
+        with suppress(OSError):
+            parameters = os.sched_param(priority)
+            os.sched_setscheduler(process.process.pid, os.SCHED_FIFO, parameters)

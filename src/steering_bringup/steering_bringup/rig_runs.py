@@ -1,0 +1,115 @@
+"""A run with a rig in the plant's place: the node set's change, the processes beside it, checks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from rig_bridge.emulated import emulated
+from rig_bridge.helpers import Helper
+from rig_bridge.rig_file import RigFile, find_rig, load_rig
+from rig_bridge.session import columns_of
+from rig_bridge.transport.registry import check_link
+from steering_bringup.errors import BenchError
+from steering_bringup.schema import NodeSet
+from steering_lockstep.graph import CLOCK, RECORDER_KIND, Graph
+from steering_lockstep.topics import TABLE, wire
+
+RIG_KIND = "rig_bridge"
+PRIORITY = 20
+"""Of the real-time scheduler, where it is permitted: bridge, nodes and emulated rig alike."""
+
+OnFault = Literal["end", "hold"]
+
+
+@dataclass(frozen=True)
+class RigChoice:
+    """Which rig takes the plant's place. ``path`` of its file; ``link``: udp or can."""
+
+    path: Path
+    rig: RigFile
+    link: str
+    on_fault: OnFault = "end"
+
+    def metadata(self) -> dict[str, Any]:
+        """Return what a bag tells of the rig before the run."""
+        content = self.rig.model_dump(mode="json", by_alias=True, exclude_none=True)
+        emulated = self.rig.emulator is not None
+        return {"file": str(self.path), "emulated": emulated, "link": self.link, "content": content}
+
+    def notes(self, effects: Mapping[str, Any]) -> list[str]:
+        """Return what a reader of the results must know."""
+        kind = "emulated rig" if self.rig.emulator else "rig"
+        notes = [f"measured on the {kind} '{self.rig.name}' over {self.link}: {self.path}"]
+        if effects:
+            listed = ", ".join(effects)
+            notes.append(f"the rig has its own physics: effects of the plant do nothing ({listed})")
+        return notes
+
+    @contextmanager
+    def connected(self) -> Iterator[Connection]:
+        """Start the emulated rig, if it is one; it ends with the context."""
+        own = {"rig": str(self.path), "link": self.link, "on_fault": self.on_fault}
+        if self.rig.emulator is None:
+            yield Connection(own)
+            return
+        with emulated(self.path, self.rig, self.link, PRIORITY) as (settings, process):
+            yield Connection({**own, "settings": json.dumps(settings)}, process)
+
+
+@dataclass(frozen=True)
+class Connection:
+    """``parameters``: ROS parameters of the bridge; ``emulator``: its process, if there is one."""
+
+    parameters: dict[str, Any]
+    emulator: Helper | None = None
+
+    def notes(self) -> list[str]:
+        """Return what became of the emulated rig, where that was not the run's doing."""
+        how = None if self.emulator is None else self.emulator.ended()
+        return [] if how is None else [f"the emulated rig's process had ended ({how})"]
+
+
+def rig_layout(graph: Graph) -> dict[str, str]:
+    """Return which node is in which process.
+
+    No other node can stop the bridge, and the recorder's writing holds up neither.
+    """
+    layout = {node.name: "nodes" for node in graph.nodes}
+    layout |= {node.name: "recorder" for node in graph.nodes if node.kind == RECORDER_KIND}
+    return layout | {graph.clock.name: "rig"}
+
+
+def choose_rig(name: str, link: str | None, on_fault: OnFault) -> RigChoice:
+    """Return the checked choice of a rig by name or file; BenchError tells what is wrong."""
+    path = find_rig(name).resolve()
+    rig = load_rig(path)
+    chosen = link or rig.link
+    check_link(chosen, rig, path.parent)
+    return RigChoice(path, rig, chosen, on_fault)
+
+
+def with_rig(node_set: NodeSet, choice: RigChoice) -> NodeSet:
+    """Return the node set with the rig's bridge in the place of the node that is the clock.
+
+    BenchError where the rig does not fit.
+    """
+    rig = choice.rig
+    if rig.valve_system != node_set.valve_system:
+        raise BenchError(
+            f"rig '{rig.name}' has the valve system {rig.valve_system}, node set "
+            f"'{node_set.name}' is for {node_set.valve_system}"
+        )
+    name = next((n for n, entry in node_set.nodes.items() if CLOCK in entry.outputs), None)
+    if name is None:
+        raise BenchError(f"node set '{node_set.name}' has no plant whose place a rig could take")
+    plant = node_set.nodes[name]
+    known = [topic for topic in plant.inputs if topic in TABLE]
+    columns_of(rig, [(topic, part) for topic in known for part in wire(topic).fields])
+    bridge = plant.model_copy(update={"kind": RIG_KIND, "truth": (), "parameters": {}})
+    changed = {"nodes": node_set.nodes | {name: bridge}, "name": f"{node_set.name}_rig"}
+    return node_set.model_copy(update=changed)
