@@ -156,4 +156,4 @@ def test_lists_for_machines(tmp_path):
 def test_the_json_schema_is_written(tmp_path):
     assert main(["schema", "--out", str(tmp_path / "schemas")]) == 0
     names = {path.name for path in (tmp_path / "schemas").iterdir()}
-    assert names == {"scenario.schema.json", "node_set.schema.json"}
+    assert names == {"scenario.schema.json", "node_set.schema.json", "rig.schema.json"}

@@ -20,7 +20,6 @@ from steering_core.validation import explain
 from steering_core.yaml_lines import read_yaml
 
 LOAD_REFERENCE = "load_reference"
-SHIPPED = Path(__file__).resolve().parent / "rigs"
 
 
 class RigFile(Strict):
@@ -124,25 +123,3 @@ def load_rig(path: str | Path) -> RigFile:
         return RigFile.model_validate(data)
     except ValidationError as error:
         raise BenchError(explain(error, document)) from None
-
-
-def shipped_rigs() -> dict[str, Path]:
-    """Return name to file of the rigs that come with the bench."""
-    return {
-        path.stem: path
-        for path in sorted(SHIPPED.glob("*.yaml"))
-        if "channels" in (read_yaml(path).data or {})
-    }
-
-
-def find_rig(name: str) -> Path:
-    """Return the file of a shipped rig's name or of a path; BenchError suggests the nearest."""
-    path = Path(name)
-    if path.suffix in (".yaml", ".yml") or path.is_file():
-        if not path.is_file():
-            raise BenchError(f"there is no rig's file '{name}'")
-        return path
-    known = shipped_rigs()
-    if name not in known:
-        raise BenchError(f"{unknown('rig', name, known)} (or give a .yaml file)")
-    return known[name]

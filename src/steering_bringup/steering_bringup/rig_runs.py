@@ -11,8 +11,9 @@ from typing import Any, Literal
 
 from rig_bridge.emulated import emulated
 from rig_bridge.helpers import Helper
-from rig_bridge.rig_file import RigFile, find_rig, load_rig
+from rig_bridge.rig_file import RigFile, load_rig
 from rig_bridge.session import columns_of
+from rig_bridge.shipped import find_rig
 from rig_bridge.transport.registry import check_link
 from steering_bringup.errors import BenchError
 from steering_bringup.schema import NodeSet
@@ -102,7 +103,7 @@ def with_rig(node_set: NodeSet, choice: RigChoice) -> NodeSet:
     if rig.valve_system != node_set.valve_system:
         raise BenchError(
             f"rig '{rig.name}' has the valve system {rig.valve_system}, node set "
-            f"'{node_set.name}' is for {node_set.valve_system}"
+            f"'{node_set.name}' is for {node_set.valve_system}: choose another with --node-set"
         )
     name = next((n for n, entry in node_set.nodes.items() if CLOCK in entry.outputs), None)
     if name is None:

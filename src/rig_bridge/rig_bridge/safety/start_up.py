@@ -28,9 +28,10 @@ class StartUp:
     def see(self, channels: Sequence[ChannelWatch], fresh: bool, fault: Fault | None) -> bool:
         """Take a tick; return whether the checks have passed."""
         self.ticks += 1
-        wrong = self._implausible(channels, fresh)
-        if wrong is None and fault is not None:
-            wrong = str(fault)
+        wrong = None if fault is None else str(fault)
+        if not fresh and wrong is None:
+            return False  # one that is missing is counted elsewhere, and several are a fault
+        wrong = _implausible(channels) or wrong if fresh else wrong
         if wrong is not None:
             self.good, self.last_wrong = 0, wrong
             return False
@@ -48,10 +49,9 @@ class StartUp:
             return None
         return Fault(Kind.START_UP, None, self.last_wrong)
 
-    def _implausible(self, channels: Sequence[ChannelWatch], fresh: bool) -> str | None:
-        if not fresh:
-            return self.last_wrong if self.good == 0 else "a tick without measurements"
-        return "; ".join(_describe(watch) for watch in channels if not watch.is_plausible()) or None
+
+def _implausible(channels: Sequence[ChannelWatch]) -> str | None:
+    return "; ".join(_describe(watch) for watch in channels if not watch.is_plausible()) or None
 
 
 def _describe(watch: ChannelWatch) -> str:

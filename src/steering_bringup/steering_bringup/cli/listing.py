@@ -135,9 +135,16 @@ def _first_sentence(made: Any) -> str:
     return " ".join((made.__doc__ or "").split("\n\n")[0].split()).replace("``", "")
 
 
+def _rigs() -> list[Entry]:
+    from rig_bridge.shipped import description, shipped_rigs
+
+    return [{"name": name, "text": description(path)} for name, path in shipped_rigs().items()]
+
+
 LISTS: Mapping[str, Callable[[], list[Entry]]] = {
     "scenarios": _files("scenario"),
     "nodesets": _files("node set"),
+    "rigs": _rigs,
     "manoeuvres": _manoeuvres,
     "loads": _loads,
     "effects": _effects,

@@ -60,19 +60,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     how = parser.add_argument_group("how it runs")
     add = how.add_argument
-    add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
-    add("--rig", metavar="RIG", help="rig by name or file (default: emulated); see docs/rig.md")
-    add("--rig-link", choices=("udp", "can"), help="link to the rig (default: as its file says)")
-    add(
-        "--rig-fault",
-        choices=("end", "hold"),
-        help="end the run when the rig is made safe, or hold it so until /rig/reset (default: end)",
-    )
     add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
     add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
     add("--real-time", action="store_true", help="pace the ticks to the wall clock")
     add("--domain", metavar="N", type=int, help="ROS_DOMAIN_ID, for nodes outside (default: free)")
     add("--timeout", metavar="S", type=float, default=2.0, help="s without a tick (default: 2)")
+    rig = parser.add_argument_group("a rig in the plant's place")
+    add = rig.add_argument
+    add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
+    add("--rig", metavar="RIG", help="rig by name or file (default: emulated)")
+    add("--rig-link", choices=("udp", "can"), help="link to it (default: as its file says)")
+    add(
+        "--rig-fault",
+        choices=("end", "hold"),
+        help="in the safe state end the run (default), or go on until /rig/reset is called",
+    )
     out = parser.add_argument_group("what is kept")
     add = out.add_argument
     add("--out", metavar="DIR", type=Path, help="folder (default: results/SCENARIO-1, -2, ...)")
@@ -86,7 +88,6 @@ def execute(options: argparse.Namespace) -> int:
     """Plan, run, compare, and tell."""
     from steering_bringup.session import run_all
 
-    options.choice = _rig(options)
     scenario = _scenario(options)
     folder = _folder(options, scenario.name)
     plans = _plans(options, scenario, folder)
@@ -108,10 +109,10 @@ def _scenario(options: argparse.Namespace) -> Scenario:
     from steering_bringup.scenario_files import check_scenario, find, open_scenario
 
     document = open_scenario(options.scenario)
-    if options.choice is not None:
+    if (choice := _rig(options)) is not None:
         given = document.data.get("parameters") or {}
-        missing = {n: v for n, v in options.choice.rig.parameters.items() if n not in given}
-        merge(document, missing, f"rig '{options.choice.rig.name}'")
+        missing = {n: v for n, v in choice.rig.parameters.items() if n not in given}
+        merge(document, missing, f"rig '{choice.rig.name}'")
     for path in options.set_file:
         set_file(document, path)
     for name in ("manoeuvre", "load"):
@@ -156,7 +157,8 @@ def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> lis
     if options.record and (len(node_sets) > 1 or options.no_record):
         reason = "--no-record" if options.no_record else f"{len(node_sets)} node sets"
         raise BenchError(f"--record names one bag, but there is {reason}: use --out DIR")
-    label = "_rig" if options.choice else ""
+    rig = _rig(options)
+    label = "" if rig is None else "_rig"
     bags = {
         node_set.name: (options.record or folder / (node_set.name + label))
         if scenario.record
@@ -165,9 +167,7 @@ def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> lis
     }
     manner, from_bag = _manner(options), _from_bag(options)
     return [
-        make_plan(
-            for_node_set(scenario, n, node_sets), n, manner, bags[n.name], from_bag, options.choice
-        )
+        make_plan(for_node_set(scenario, n, node_sets), n, manner, bags[n.name], from_bag, rig)
         for n in node_sets
     ]
 

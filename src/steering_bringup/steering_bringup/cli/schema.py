@@ -20,11 +20,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Write scenario.schema.json and node_set.schema.json."""
+    """Write a schema for each kind of file."""
+    from rig_bridge.rig_file import RigFile
     from steering_bringup.schema import NodeSet, Scenario
 
     options.out.mkdir(parents=True, exist_ok=True)
-    for name, model in (("scenario", Scenario), ("node_set", NodeSet)):
+    for name, model in (("scenario", Scenario), ("node_set", NodeSet), ("rig", RigFile)):
         path = options.out / f"{name}.schema.json"
         path.write_text(json.dumps(model.model_json_schema(), indent=2) + "\n", encoding="utf-8")
         print(path)
