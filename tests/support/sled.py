@@ -149,9 +149,9 @@ def _truth(drive, load, p, asym, drag, excess, speed_s, gap, ripple, x_offset): 
         out[i, 0], out[i, 1], out[i, 2] = x, spring, v
         for _ in range(40):
             level = friction + excess / (1.0 + (v / speed_s) ** 2)
-            bristle += h * v * (1.0 - np.sign(v) * bristle / level * 2e5)
-            bristle = min(max(bristle, -level / 2e5), level / 2e5)
-            resist = 2e5 * bristle * (1.0 + asym / friction * np.sign(bristle)) + drag * v * abs(v)
+            bristle += h * v * (1.0 - np.sign(v) * bristle / level * 2e6)
+            bristle = min(max(bristle, -level / 2e6), level / 2e6)
+            resist = 2e6 * bristle * (1.0 + asym / friction * np.sign(bristle)) + drag * v * abs(v)
             resist += ripple * np.sin(x * 900.0)
             stretch = drive[i] - x
             spring = stiffness * (stretch - min(max(stretch, -gap), gap))

@@ -2,54 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.interpolate import BSpline
 
-KNOTS = 7
+KNOTS = 16
+COARSE = 5
 LAGS = (1, 2, 4, 8)
 DEGREE = 2
-MOST_PAIRS = 20
 
 
-@dataclass(frozen=True, repr=False)
-class Basis:
-    """Columns (n, k), and the state that each is of ('' for products and lags)."""
-
-    columns: np.ndarray
-    owner: tuple[str, ...]
+def usable_state(x: np.ndarray) -> np.ndarray | None:
+    """Return a state without gaps, None where it does not move."""
+    x = np.nan_to_num(x)
+    return x if np.ptp(x) > 1e-12 * (np.abs(x).max() + 1e-300) else None
 
 
-def basis(states: Mapping[str, np.ndarray]) -> Basis:
-    """Return splines in each state, lagged states, and products of two."""
-    columns: list[np.ndarray] = []
-    owner: list[str] = []
-    scaled = {}
-    for name, x in states.items():
-        x = np.nan_to_num(x)
-        if np.ptp(x) <= 1e-12 * (np.abs(x).max() + 1e-300):
-            continue
-        scaled[name] = (x - x.mean()) / x.std()
-        spline = splines(x, knots(x))
-        columns += list(spline.T)
-        owner += [name] * spline.shape[1]
-        for lag in LAGS:
-            columns.append(np.r_[np.zeros(lag), scaled[name][lag:] - scaled[name][:-lag]])
-            owner.append("")
-    names = list(scaled)
-    pairs = [(a, b) for i, a in enumerate(names) for b in names[:i]][:MOST_PAIRS]
-    for a, b in pairs:
-        columns += [np.tanh(scaled[a]) * scaled[b], scaled[a] * np.tanh(3.0 * scaled[b])]
-        owner += ["", ""]
-    return Basis(np.stack(columns, axis=-1) if columns else np.zeros((0, 0)), tuple(owner))
+def single(x: np.ndarray) -> np.ndarray:
+    """Return splines in a state and its lagged differences, (n, k)."""
+    scaled = (x - x.mean()) / x.std()
+    lagged = [np.r_[np.zeros(k), scaled[k:] - scaled[:-k]] for k in LAGS]
+    return np.c_[splines(x, knots(x, KNOTS)), np.stack(lagged, axis=-1)]
 
 
-def knots(x: np.ndarray) -> np.ndarray:
-    """Return the knots of a state: quantiles, its ends repeated."""
-    inner = np.unique(np.quantile(x, np.linspace(0.0, 1.0, KNOTS)))
-    return np.r_[[inner[0]] * DEGREE, inner, [inner[-1]] * DEGREE]
+def product(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return products of coarse splines in two states, (n, k)."""
+    a, b = splines(x, knots(x, COARSE)), splines(y, knots(y, COARSE))
+    both = (a[:, :, None] * b[:, None, :]).reshape(len(x), -1)
+    return both - both.mean(axis=0)
+
+
+def knots(x: np.ndarray, count: int = KNOTS) -> np.ndarray:
+    """Return the knots of a state: half by quantiles, half evenly, its ends repeated."""
+    even = np.linspace(x.min(), x.max(), count // 2 + 1)
+    inner = np.unique(np.r_[np.quantile(x, np.linspace(0.0, 1.0, count // 2 + 1)), even])
+    kept = inner[np.r_[True, np.diff(inner) > 1e-3 * np.ptp(x)]]
+    kept[-1] = inner[-1]
+    return np.r_[[kept[0]] * DEGREE, kept, [kept[-1]] * DEGREE]
 
 
 def splines(x: np.ndarray, at: np.ndarray) -> np.ndarray:

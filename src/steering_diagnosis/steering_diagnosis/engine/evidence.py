@@ -11,10 +11,14 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
+from steering_diagnosis.engine.catalogue import scales
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.fit import Fit, Problem
+from steering_diagnosis.engine.intervals import covariance
 from steering_diagnosis.engine.noise import Noise, usable
 
+SURE = 2.0
+"""Standard errors between an estimate and what would be no cause."""
 STRONG = 10.0
 """Difference of the information criterion that counts as strong (Kass, Raftery 1995)."""
 
@@ -102,8 +106,10 @@ def weigh(
     bic = -ratio + max(k, 1) * np.log(max(full.noise.count.max(), 2.0))
     before, after = held.residual(problem, without), held.residual(problem, full)
     gain = held.scores(without.noise, before) - held.scores(full.noise, after)
-    sigmas = float(gain.sum() / (np.sqrt(len(gain)) * gain.std(ddof=1) + 1e-12))
+    sigmas = certainty(gain)
     share, material = shares(held.energy(before), held.energy(after), floor)
+    (cause,) = full.names - without.names
+    beyond, size = size_of(problem, full, cause)
     first = not without.values
     least = s.least_share if first else s.least_share_next
     reasons = [
@@ -111,9 +117,55 @@ def weigh(
         (bic > -STRONG, f"the information criterion is against it ({bic:+.1f})"),
         (sigmas < s.held_out_sigmas, f"no certain gain on held-out data ({sigmas:.1f} sigma)"),
         (material < least, f"removes only {material:.0%} of the error above the noise"),
+        (size < s.least_size, f"too small to be seen ({size:.0%} of a visible size)"),
+        (not beyond, "its interval reaches into what the tolerances allow"),
     ]
     why = next((text for failed, text in reasons if failed), "")
     return Evidence(ratio, p, float(bic), sigmas, share, material, why)
+
+
+def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
+    """Return whether a cause's interval is beyond neutral and tolerance, and its visible size.
+
+    Where a nuisance expresses the same, the size is counted in what that nuisance would need.
+    """
+    h = problem.book.hypotheses[cause]
+    unit = (full.values[cause] - [p.neutral for p in h.parameters]) / scales(h)
+    amplitudes = [i for i, p in enumerate(h.parameters) if not p.shape] or range(len(unit))
+    k = max(amplitudes, key=lambda i: abs(unit[i]))
+    spread = covariance(problem, full, np.zeros(0))
+    at = problem.nuisance.shape[-1]
+    for name, value in full.values.items():
+        if name == cause:
+            break
+        at += len(value)
+    sd = float(np.sqrt(spread.matrix[at + k, at + k]))
+    least = max(abs(unit[k]) - SURE * sd, 0.0)
+    return least > _tolerated(problem, full, cause, k), float(abs(unit[k]))
+
+
+def _tolerated(problem: Problem, full: Fit, cause: str, k: int) -> float:
+    """Return the size [typical sizes] that the competing nuisances express within tolerance."""
+    h = problem.book.hypotheses[cause]
+    weights = problem.weights()
+    column = (full.noise.whiten(full.columns[cause][..., k]) * weights).ravel()
+    reach = 0.0
+    for name in h.competes:
+        if name in problem.book.index and column @ column > 0.0:
+            one = full.noise.whiten(problem.nuisance[..., problem.book.index[name]]) * weights
+            reach += 2.0 * abs(float(one.ravel() @ column) / float(column @ column))
+    return reach
+
+
+def certainty(gain: np.ndarray) -> float:
+    """Return the mean gain of blocks over its standard error, (blocks,).
+
+    Of signed square roots: few blocks with much excitation may hold most of the gain.
+    """
+    root = np.sign(gain) * np.sqrt(np.abs(gain))
+    if gain.sum() <= 0.0:
+        return min(0.0, float(root.sum()))
+    return float(root.sum() / (np.sqrt(len(root)) * root.std(ddof=1) + 1e-12))
 
 
 def shares(before: np.ndarray, after: np.ndarray, floor: np.ndarray) -> tuple[float, float]:

@@ -22,6 +22,10 @@ from steering_diagnosis.engine.templates import Template
 
 STEP = 0.05
 """Step of the hypotheses' differences, in typical sizes."""
+STEP_Z = 0.5
+"""Step of the nuisances' differences, in standard deviations."""
+MOVED, TRADES, RENEWED = 1.5, 0.4, 4
+"""Nuisances whose columns are renewed: moved so far, or correlated so much; at most so many."""
 SMALL = 0.5
 """Gain in twice the log-likelihood at which the iteration ends."""
 FURTHEST = 8.0
@@ -95,9 +99,14 @@ def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | Non
     """Fit nuisances and the parameters of the active hypotheses, from a starting point."""
     z = held(problem.book, z, values)
     now = assess(problem, z, values, problem.residual(z, values))
-    for _ in range(iterations or problem.settings.iterations):
+    nuisance = problem.nuisance
+    stale = True
+    for k in range(iterations or problem.settings.iterations):
         columns = renew(problem, now)
-        step_z, step_values, promised = gauss_newton(problem, now, columns)
+        if stale and values:
+            nuisance = renew_nuisances(problem, now, columns, nuisance)
+        stale = k % 2 == 1
+        step_z, step_values, promised = gauss_newton(problem, now, columns, nuisance)
         now = Fit(now.z, now.values, now.residual, now.noise, now.misfit, columns)
         if promised < SMALL:
             break
@@ -105,6 +114,7 @@ def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | Non
         if better is None:
             break
         gained = now.misfit - better.misfit
+        nuisance = _updated(problem, nuisance, columns, now, better)
         now = Fit(better.z, better.values, better.residual, better.noise, better.misfit, columns)
         if gained < SMALL:
             break
@@ -142,14 +152,36 @@ def renew(problem: Problem, now: Fit) -> dict[str, np.ndarray]:
     return {name: np.stack(parts, axis=-1) for name, parts in found.items()}
 
 
+def renew_nuisances(
+    problem: Problem, now: Fit, columns: Mapping[str, np.ndarray], nuisance: np.ndarray
+) -> np.ndarray:
+    """Return the nuisances' columns, those renewed that the hypotheses trade with."""
+    moved = np.abs(now.z) > MOVED
+    stacked = np.concatenate([nuisance, *columns.values()], axis=-1)
+    gram, _, _ = normal_equations(problem, now, stacked)
+    p = len(now.z)
+    gram[np.arange(p), np.arange(p)] += 1.0
+    spread = np.linalg.pinv(gram, hermitian=True)
+    size = np.sqrt(np.maximum(np.diag(spread), 1e-300))
+    trade = np.abs(spread[:p, p:] / size[:p, None] / size[None, p:]).max(axis=1)
+    urgency = np.where(moved, 1.0 + np.abs(now.z), trade)
+    chosen = [i for i in np.argsort(-urgency)[:RENEWED] if urgency[i] > TRADES]
+    steps = np.eye(p)
+    calls = [problem.book.call(now.z + STEP_Z * steps[i], now.values) for i in chosen]
+    fresh = nuisance.copy()
+    for i, r in zip(chosen, problem.runs.many(calls), strict=True):
+        fresh[..., i] = (problem.known(r) - now.residual) / STEP_Z
+    return fresh
+
+
 def gauss_newton(
-    problem: Problem, now: Fit, columns: Mapping[str, np.ndarray]
+    problem: Problem, now: Fit, columns: Mapping[str, np.ndarray], nuisance: np.ndarray
 ) -> tuple[np.ndarray, dict[str, np.ndarray], float]:
     """Return the bounded step in nuisances and values, and the gain in misfit it promises."""
     book, p = problem.book, len(now.z)
     names = list(now.values)
     unit = [scales(book.hypotheses[n]) for n in names]
-    stacked = np.concatenate([problem.nuisance, *(columns[n] for n in names)], axis=-1)
+    stacked = np.concatenate([nuisance, *(columns[n] for n in names)], axis=-1)
     gram, slope, energy = normal_equations(problem, now, stacked)
     gram[np.arange(p), np.arange(p)] += 1.0
     slope[:p] -= now.z
@@ -192,6 +224,24 @@ def bounded(gram: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarr
     if np.all(free >= low) and np.all(free <= high):
         return free
     return lsq_linear(root.T, target, (low, high), method="bvls").x
+
+
+def _updated(
+    problem: Problem,
+    nuisance: np.ndarray,
+    columns: Mapping[str, np.ndarray],
+    old: Fit,
+    new: Fit,
+) -> np.ndarray:
+    """Return the nuisances' columns after a step, by Broyden's update (Broyden 1965)."""
+    step = new.z - old.z
+    error = new.residual - old.residual - nuisance @ step
+    length = float(step @ step)
+    for name, column in columns.items():
+        move = (new.values[name] - old.values[name]) / scales(problem.book.hypotheses[name])
+        error = error - column @ move
+        length += float(move @ move)
+    return nuisance + error[..., None] * (step / max(length, 1e-12))
 
 
 def _line_search(

@@ -45,7 +45,7 @@ class Covariance:
 
 
 def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
-    """Return the covariance at a fit. block: number of each sample, (n,)."""
+    """Return the covariance at a fit. block: number of each sample, (n,); empty: no sandwich."""
     columns = np.concatenate([problem.nuisance, active_columns(fit)], axis=-1)
     weights = problem.weights()
     e = fit.noise.whiten(fit.residual) * weights
@@ -54,6 +54,8 @@ def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
     p = problem.nuisance.shape[-1]
     gram[np.arange(p), np.arange(p)] += 1.0
     matrix = np.linalg.pinv(gram, hermitian=True)
+    if not len(block):
+        return Covariance(matrix, np.zeros((0, len(matrix))))
     each = np.einsum("nmk,nm->nk", c, e)
     used = np.unique(block[weights.any(axis=1)])
     slopes = np.stack([each[block == b].sum(axis=0) for b in used])

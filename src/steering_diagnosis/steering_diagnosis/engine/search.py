@@ -34,6 +34,7 @@ class Search:
         self.fits[frozenset()] = self.null
         residual = saturated(self.problem, self.null, self.trials)
         self._noise = self.problem.noise(residual)
+        self._reduced: set[tuple[frozenset[str], str]] = set()
         self.floor = self._noise.rms**2
 
     def weigh(self, without: Fit, full: Fit) -> Evidence:
@@ -82,8 +83,10 @@ class Search:
 
     def without(self, full: Fit, name: str) -> Fit:
         """Return the model without one of its causes, refitted."""
-        names = full.names - {name}
-        if names not in self.fits:
+        names, origin = full.names - {name}, (full.names, name)
+        if origin not in self._reduced:
+            # From the full model too: a rival stuck in a poor optimum would be no rival.
+            self._reduced.add(origin)
             values = {n: v for n, v in full.values.items() if n != name}
             self.fit(names, full.z, values)
         return self.fits[names]

@@ -42,6 +42,8 @@ class Settings:
     """Of the error energy above the noise that a cause has to remove on held-out blocks."""
     least_share_next: float = 0.35
     """The same for a further cause, of what the others leave."""
+    least_size: float = 0.2
+    """Of a hypothesis's visible (typical) size; smaller ones are not named."""
     least_explained: float = 0.55
     """Share that all causes together have to explain, else nothing is named."""
     held_out_sigmas: float = 1.7

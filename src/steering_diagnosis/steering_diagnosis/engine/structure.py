@@ -9,19 +9,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from scipy import signal, stats
 
-from steering_diagnosis.engine.basis import Basis, basis, knots, splines
+from steering_diagnosis.engine.basis import knots, product, single, splines, usable_state
+from steering_diagnosis.engine.evidence import certainty
 from steering_diagnosis.engine.model import Output
 from steering_diagnosis.engine.noise import Noise, fit_noise, usable
 
 FOLDS = 4
 RIDGE = 1e-2
 SIGMAS = 4.0
+TOGETHER = 3
 VISIBLE = 0.3
 """Predictable energy over the noise's from which structure is visible."""
+SCATTER = 5.0
+"""Structure is visible from so many resolutions: a tenth of what the tolerances scatter."""
 BURSTS = 3.0
 """Mean energy over the quiet quarter's from which energy is not stationary."""
 
@@ -66,7 +71,8 @@ class Remains:
 
 def structures(remains: Remains) -> list[Structure]:
     """Return the structure in each output, where there is any."""
-    functions = basis(remains.states)
+    states = {n: usable_state(x) for n, x in remains.states.items()}
+    functions = {n: (x, single(x)) for n, x in states.items() if x is not None}
     found = []
     for j in range(len(remains.outputs)):
         if usable(remains.valid, remains.order)[:, j].sum() > 20 * remains.order:
@@ -123,13 +129,25 @@ def free_form(remains: Remains, structure: Structure) -> FreeForm | None:
     return FreeForm(output.name, output.balance, best, tuple(at), tuple(value), float(gain))
 
 
-def _predictable(remains: Remains, functions: Basis, j: int) -> Structure | None:
-    if functions.columns.size == 0:
-        return None
-    part, sigmas = _cross_validated(remains, functions.columns, j)
+def _predictable(
+    remains: Remains, functions: Mapping[str, tuple[np.ndarray, np.ndarray]], j: int
+) -> Structure | None:
+    """Find what smooth functions of the states predict: of one, then of the best together."""
     before = _mean_square(remains, remains.residual[:, j], j)
+    if before < (SCATTER * remains.floor[j]) ** 2 or not functions:
+        return None
+    alone = {}
+    for name, (_, columns) in functions.items():
+        part, sigmas = _cross_validated(remains, columns, j)
+        alone[name] = (sigmas, before - _mean_square(remains, remains.residual[:, j] - part, j))
+    best = sorted((n for n in alone if alone[n][0] > 2.0), key=lambda n: -alone[n][1])[:TOGETHER]
+    if not best:
+        return None
+    parts = [functions[n][1] for n in best]
+    parts += [product(functions[a][0], functions[b][0]) for a, b in combinations(best, 2)]
+    part, sigmas = _cross_validated(remains, np.concatenate(parts, axis=1), j)
     after = _mean_square(remains, remains.residual[:, j] - part, j)
-    if sigmas < SIGMAS or before - after < VISIBLE * (after + remains.floor[j] ** 2):
+    if sigmas < SIGMAS or before - after < _least(remains, after, j):
         return None
     return Structure(j, before - after, after, part, "predictable", "")
 
@@ -150,7 +168,14 @@ def _bursts(remains: Remains, j: int) -> Structure | None:
         return None
     total = _mean_square(remains, remains.residual[:, j], j)
     share = 1.0 - quiet / float(energy.mean())
+    if share * total < _least(remains, (1.0 - share) * total, j):
+        return None
     return Structure(j, share * total, (1.0 - share) * total, remains.residual[:, j], "bursts", "")
+
+
+def _least(remains: Remains, noise: float, j: int) -> float:
+    """Return the energy from which structure is visible: over noise and tolerances' scatter."""
+    return VISIBLE * noise + (SCATTER * remains.floor[j]) ** 2
 
 
 def _excitation(remains: Remains) -> np.ndarray:
@@ -191,7 +216,7 @@ def _cross_validated(remains: Remains, columns: np.ndarray, j: int) -> tuple[np.
             part[fold == f] = columns[fold == f] @ x
         each = np.where(rows, white**2 - (white - predicted) ** 2, 0.0)
         gain = np.bincount(remains.block, each)
-    return part, float(gain.sum() / (np.sqrt(len(gain)) * gain.std(ddof=1) + 1e-12))
+    return part, certainty(gain)
 
 
 def _mean_square(remains: Remains, values: np.ndarray, j: int) -> float:
