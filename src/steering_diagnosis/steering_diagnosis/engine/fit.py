@@ -188,9 +188,9 @@ def gauss_newton(
     energy += float(now.z @ now.z)
     low, high = np.full(p, -FURTHEST) - now.z, np.full(p, FURTHEST) - now.z
     for name in names:
-        nuisance = book.nuisance_of(name)
-        if nuisance is not None:
-            low[book.index[nuisance]], high[book.index[nuisance]] = -1e-9, 1e-9
+        wrong = book.nuisance_of(name)
+        if wrong is not None:
+            low[book.index[wrong]], high[book.index[wrong]] = -1e-9, 1e-9
     for name, u in zip(names, unit, strict=True):
         least, most = bounds(book.hypotheses[name])
         low = np.append(low, (least - now.values[name]) / u - 1e-12)
