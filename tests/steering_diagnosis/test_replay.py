@@ -97,7 +97,7 @@ def test_sensor_effects_need_no_new_simulation(noisy):
 
 def test_it_is_deterministic_and_travels_to_other_processes(noisy):
     there = pickle.loads(pickle.dumps(noisy))
-    effects = {"rack_viscous_damping": {"factor": 2.0}}
+    effects = {"rack_viscous_damping": {"added": 200.0}}
     given = noisy.residuals({}, effects)
     assert np.array_equal(given, there.residuals({}, effects), equal_nan=True)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from steering_bringup.bags.messages import add_opaque, add_rows
 from steering_bringup.bags.trace import Trace
 
 
-def read_foreign(path: Path) -> Trace:
+def read_foreign(path: Path, topics: Container[str] | None = None) -> Trace:
     """Read a bag through rosbags, message by message; BagError if it cannot be opened."""
     stamps: dict[str, list[int]] = {}
     payloads: dict[str, list[bytes]] = {}
@@ -22,7 +23,8 @@ def read_foreign(path: Path) -> Trace:
     default = get_typestore(Stores.ROS2_JAZZY)
     try:
         with AnyReader([path], default_typestore=default) as reader:
-            for connection, stamp, data in reader.messages():
+            wanted = [c for c in reader.connections if topics is None or c.topic in topics]
+            for connection, stamp, data in reader.messages(wanted) if wanted else ():
                 trace.types[connection.topic] = connection.msgtype
                 stamps.setdefault(connection.topic, []).append(stamp)
                 payloads.setdefault(connection.topic, []).append(bytes(data))

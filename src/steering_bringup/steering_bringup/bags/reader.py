@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,12 @@ from steering_bringup.bags.trace import Trace
 from steering_bringup.bags.writer import OUTCOME_KEY, RUN_KEY
 
 
-def read_bag(path: str | Path, *, repair_damage: bool = True) -> Trace:
+def read_bag(
+    path: str | Path, *, repair_damage: bool = True, topics: Container[str] | None = None
+) -> Trace:
     """Read a bag (folder or .mcap file) into a Trace.
+
+    topics: what to read; the messages of others are not looked at. None: all.
 
     A bag that a crash cut off is read as far as it goes, says so in `notes`, and is repaired in
     place for other readers (`repair`: the original bytes are kept), unless `repair_damage` is
@@ -33,8 +38,8 @@ def read_bag(path: str | Path, *, repair_damage: bool = True) -> Trace:
     path = Path(path)
     file = mcap_file(path)
     if file is None:
-        return read_foreign(path)
-    trace = read_mcap(file)
+        return read_foreign(path, topics)
+    trace = read_mcap(file, topics)
     trace.path = path
     trace.run, trace.outcome = read_run(path)
     if trace.complete and path.is_dir() and not (path / METADATA_FILE).exists():
@@ -69,7 +74,7 @@ def mcap_file(path: Path) -> Path | None:
     return None
 
 
-def read_mcap(file: Path) -> Trace:
+def read_mcap(file: Path, topics: Container[str] | None = None) -> Trace:
     """Read one MCAP file, complete or not."""
     try:
         found = scan(map_file(file))
@@ -80,6 +85,8 @@ def read_mcap(file: Path) -> Trace:
     trace = Trace(complete=found.finished)
     store = typestore_of({c.msgtype: c.definition for c in found.channels.values() if c.msgtype})
     for key, channel in found.channels.items():
+        if topics is not None and channel.topic not in topics:
+            continue
         trace.types[channel.topic] = channel.msgtype
         stamps, payloads = _payloads(found, key)
         if isinstance(payloads, np.ndarray):

@@ -12,21 +12,18 @@ import numpy as np
 from steering_bringup.bags import Trace, read_bag
 from steering_core.errors import BenchError
 from steering_core.parameters import ParameterError, ParameterSet, load_parameters
-from steering_diagnosis.data.channels import CHANNELS, COMMANDED, MEASURED, PRESSURE, TORQUE
+from steering_diagnosis.data.channels import CHANNELS, MEASURED, PRESSURE, TORQUE
 from steering_diagnosis.data.record import Record
 from steering_plant.measured_boost_curve import boost_table
 
 TOPICS = frozenset(channel.topic for channel in CHANNELS.values())
 """All topics that a record is made of; no other one is read."""
 
-LONGEST_GAP = 20
-"""Ticks that are bridged and excluded; a longer gap is left open."""
-
 
 def record_from_bag(path: str | Path) -> Record:
     """Return the record of a bag. BenchError: no bag, or not one of a steering gear."""
     path = Path(path)
-    trace = read_bag(path)
+    trace = read_bag(path, topics=TOPICS)
     ticks = _ticks(trace, path)
     grid = np.arange(ticks[0], ticks[-1] + 1)
     notes = [str(note) for note in trace.notes]
@@ -36,7 +33,8 @@ def record_from_bag(path: str | Path) -> Record:
             values = _on_grid(trace[channel.topic], channel.field, grid)
             if np.isfinite(values).any():
                 channels[name] = values
-    _drop_constant_commands(channels)
+    if not np.any(channels.get("driver_torque", 0.0)):
+        channels.pop("driver_torque", None)  # Nobody commanded it: a rig without a driver.
     missing = [name for name in MEASURED if name not in channels]
     if missing:
         notes.append(f"not measured: {', '.join(missing)}")
@@ -73,13 +71,6 @@ def _on_grid(rows: np.ndarray, field: str, grid: np.ndarray) -> np.ndarray:
     inside = (at >= 0) & (at < len(grid))
     values[at[inside]] = rows[field][inside]
     return values
-
-
-def _drop_constant_commands(channels: dict[str, np.ndarray]) -> None:
-    """Leave out commands that are all zero: nothing commanded them (no driver on a rig)."""
-    for name in COMMANDED:
-        if name in channels and name == "driver_torque" and not np.any(channels[name]):
-            del channels[name]
 
 
 def _gaps(channels: Mapping[str, np.ndarray], notes: list[str]) -> np.ndarray | None:

@@ -135,6 +135,7 @@ class Simulation:
             driven.at,
             driven.given,
             driven.slopes,
+            RUN_UP,
             driven.held,
             driven.rise,
             y,

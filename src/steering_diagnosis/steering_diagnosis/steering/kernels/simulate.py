@@ -20,7 +20,14 @@ from steering_plant.model.slots import (
     sampled_states,
     supply_pressure,
 )
-from steering_plant.model.states import LEFT_SOLENOID, LOAD_FORCE, PUMP, RIGHT_SOLENOID
+from steering_plant.model.states import (
+    ANGLE,
+    LEFT_SOLENOID,
+    LOAD_FORCE,
+    POSITION,
+    PUMP,
+    RIGHT_SOLENOID,
+)
 
 WORK_ROWS = 6
 """Rows of the work array: four slopes, the new state and the stage's state."""
@@ -30,6 +37,7 @@ EXTRA = 5
 
 TICK = 1e-3
 SMALLEST_STEP = 1e-8
+MOST_STEPS = 5000
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.85, 0.2, 3.0
 SMALL_ERROR = (SAFETY / GREATEST_FACTOR) ** 3
 OK, FAILED = 0, 1
@@ -50,11 +58,11 @@ def prescribe(y, at, given, slopes, tick, share):
 
 
 @kernel
-def slope(p, table, e, at, given, slopes, tick, share, held, rise, y, u, dy, flows):
+def slope(p, table, e, at, given, slopes, tick, share, lead, held, rise, y, u, dy, flows):
     """Fill ``dy`` at ``share`` of a tick; prescribed states are written and do not integrate."""
     prescribe(y, at, given, slopes, tick, share)
     u[LOAD_FORCE] = held[tick, LOAD_FORCE] + share * rise[tick]
-    rates(p, table, e, (tick + share) * TICK, y, u, dy, flows)
+    rates(p, table, e, (tick - lead + share) * TICK, y, u, dy, flows)
 
 
 @kernel
@@ -80,13 +88,14 @@ def keep(p, e, y, dy, flows, time, row):
 
 
 @kernel
-def simulate(par, table, e, scale, at, given, slopes, held, rise, y, u, work, flows, trace):
+def simulate(par, table, e, scale, at, given, slopes, lead, held, rise, y, u, work, flows, trace):
     """Integrate over all ticks and fill ``trace``; return (status, tick reached).
 
     par, table, e: of the plant. scale: error allowed in one inner step, by state. at, given,
-    slopes: prescribed states (``prescribe``). held: inputs of the plant, held from tick to tick,
-    (n, 7). rise: what the load's force grows by within each tick, (n,). y: state to begin with,
-    replaced. u, work, flows: room. trace: (n, 2 states + EXTRA), see ``keep``.
+    slopes: prescribed states (``prescribe``). lead: ticks before time zero. held: inputs of the
+    plant, held from tick to tick, (n, 7). rise: what the load's force grows by within each tick,
+    (n,). y: state to begin with, replaced. u, work, flows: room. trace: (n, 2 states + EXTRA), see
+    ``keep``.
     """
     p = par[0]
     k1, k2, k3, k4, new, stage = work[0], work[1], work[2], work[3], work[4], work[5]
@@ -100,31 +109,37 @@ def simulate(par, table, e, scale, at, given, slopes, held, rise, y, u, work, fl
         sampled_states(y, u, e)
         u[LEFT_SOLENOID] = left_command(u[LEFT_SOLENOID], y, e)
         u[RIGHT_SOLENOID] = right_command(u[RIGHT_SOLENOID], y, e)
-        slope(
-            p, table, e, at, given, slopes, row, 1.0 if last else 0.0, held, rise, y, u, k1, flows
-        )
-        keep(p, e, y, k1, flows, tick * TICK, trace[tick])
+        begin = 1.0 if last else 0.0
+        slope(p, table, e, at, given, slopes, row, begin, lead, held, rise, y, u, k1, flows)
+        keep(p, e, y, k1, flows, (tick - lead) * TICK, trace[tick])
         if last:
             return OK, tick
         still(at, k1)
-        done = 0.0
+        done, steps = 0.0, 0
         while done < 1.0:
+            steps += 1
+            if steps > MOST_STEPS:
+                return FAILED, tick
             share = (1.0 - done) / math.ceil((1.0 - done) / step * (1.0 - 1e-9))
             h = share * TICK
             for i in range(n):
                 stage[i] = y[i] + 0.5 * h * k1[i]
             middle = done + 0.5 * share
-            slope(p, table, e, at, given, slopes, tick, middle, held, rise, stage, u, k2, flows)
+            slope(
+                p, table, e, at, given, slopes, tick, middle, lead, held, rise, stage, u, k2, flows
+            )
             still(at, k2)
             for i in range(n):
                 stage[i] = y[i] + 0.75 * h * k2[i]
             middle = done + 0.75 * share
-            slope(p, table, e, at, given, slopes, tick, middle, held, rise, stage, u, k3, flows)
+            slope(
+                p, table, e, at, given, slopes, tick, middle, lead, held, rise, stage, u, k3, flows
+            )
             still(at, k3)
             for i in range(n):
                 new[i] = y[i] + h * (2.0 * k1[i] + 3.0 * k2[i] + 4.0 * k3[i]) / 9.0
             end = min(done + share, 1.0)
-            slope(p, table, e, at, given, slopes, tick, end, held, rise, new, u, k4, flows)
+            slope(p, table, e, at, given, slopes, tick, end, lead, held, rise, new, u, k4, flows)
             still(at, k4)
             error = math.inf
             if possible(p, new):
@@ -145,3 +160,11 @@ def simulate(par, table, e, scale, at, given, slopes, held, rise, y, u, work, fl
                 y[i], k1[i] = new[i], k4[i]
             settle(p, e, y)
     return OK, ticks - 1
+
+
+@kernel
+def torques(par, e, y, angle, position, torque):
+    """Fill ``torque`` (n,) [N m] of the torsion bar at ``angle`` [rad] and ``position`` [m]."""
+    for k in range(angle.shape[0]):
+        y[ANGLE], y[POSITION] = angle[k], position[k]
+        torque[k] = torsion_bar_torque(par[0], y, e)
