@@ -97,10 +97,11 @@ class Drive:
 
     load: where the rack's load is taken from: its load cell, the load's command, or nowhere; then
     the rack's motion is prescribed. valves: whether the valves' commands are known; otherwise the
-    chambers' pressures are prescribed. BenchError where the record cannot drive a replay.
+    chambers' pressures are prescribed. cutoff_hz: one low-pass for all channels, None: each its
+    own. BenchError where the record cannot drive a replay.
     """
 
-    def __init__(self, record: Record) -> None:
+    def __init__(self, record: Record, cutoff_hz: float | None = None) -> None:
         if "steering_wheel_angle" not in record:
             raise BenchError(
                 f"'{record.name}' has no steering_wheel_angle, which drives the replay: map it"
@@ -108,7 +109,7 @@ class Drive:
         self.record = record
         moving = begins_moving(record["steering_wheel_angle"])
         self.curves = {
-            name: Curve(record[name], negligible, RUN_UP, moving)
+            name: Curve(record[name], negligible, RUN_UP, moving, cutoff_hz)
             for name, negligible in NEGLIGIBLE.items()
             if name in record
         }
@@ -150,7 +151,7 @@ class Drive:
     def as_smooth_as(self, channel: str, values: np.ndarray) -> np.ndarray:
         """Return ``values`` (n,) low-passed as the curve of ``channel`` is."""
         curve = self.curves[channel]
-        return low_pass(values, curve.spectrum.cutoff_hz) if curve.smoothed else values
+        return low_pass(values, curve.cutoff_hz) if curve.smoothed else values
 
     def inputs(self) -> dict[str, int]:
         """Return the channels that drive the replay, with the states that they prescribe."""
@@ -192,7 +193,7 @@ class Drive:
             return None
         command = LoadCommand(self.record, self.curves["rack_position"].values[RUN_UP:])
         if self.load == "cell":
-            cutoff = self.curves["rack_force"].spectrum.cutoff_hz
+            cutoff = self.curves["rack_force"].cutoff_hz
             self._jump[RUN_UP:] = low_pass(command.jump, cutoff)
         return command
 

@@ -29,6 +29,13 @@ class Run:
     trace: Trace
 
 
+def acting(drive: Drive, effects: Effects) -> Effects:
+    """Return the effects that act in the replay: not what is behind a load cell that drives it."""
+    if drive.load != "cell":
+        return effects
+    return {name: values for name, values in effects.items() if name != LOAD_FRICTION}
+
+
 @dataclass(frozen=True)
 class Predicted:
     """An output, its residual (measured minus predicted, (n,)), and whether a record has it."""

@@ -11,7 +11,7 @@ from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis
 from steering_diagnosis.steering import suspects
 from steering_diagnosis.steering.drive import Drive
 from steering_diagnosis.steering.full_model import full_model
-from steering_diagnosis.steering.outputs import LOAD_FRICTION, Run, outputs_of
+from steering_diagnosis.steering.outputs import Run, acting, outputs_of
 from steering_diagnosis.steering.simulation import Simulation
 
 UNSETTLED = 300
@@ -22,7 +22,7 @@ class SteeringReplay:
     """The nominal plant driven by a record's inputs; implements engine.model.Replay.
 
     BenchError where the record cannot drive a replay. ``undecidable``: effects that this record
-    cannot decide, with the reason.
+    cannot decide, with the reason. ``judged``: (n,) bool, samples that count.
     """
 
     period_s = PERIOD_S
@@ -38,10 +38,10 @@ class SteeringReplay:
         self.hypotheses, self.undecidable = suspects.hypotheses(
             self.drive, self._predicted, self.nuisances
         )
-        self._unjudged = np.zeros(len(record), dtype=bool)
-        self._unjudged[:UNSETTLED] = True
+        self.judged = np.ones(len(record), dtype=bool)
+        self.judged[:UNSETTLED] = False
         if record.excluded is not None:
-            self._unjudged |= record.excluded
+            self.judged &= ~record.excluded
 
     def __getstate__(self) -> dict[str, object]:
         return {name: value for name, value in self.__dict__.items() if name != "_predicted"}
@@ -60,17 +60,14 @@ class SteeringReplay:
             self.record.nominal.with_values(nuisances) if nuisances else self.record.nominal
         )
         parameters = model.changed(parameters, effects)
-        acting = effects
-        if self.drive.load == "cell":
-            acting = {name: values for name, values in effects.items() if name != LOAD_FRICTION}
-        trace = self.simulation.run(parameters, acting)
+        trace = self.simulation.run(parameters, acting(self.drive, effects))
         return Run(self.drive, parameters, effects, trace)
 
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), SI; NaN where it is not judged."""
         run = self.run(nuisances, effects)
         errors = np.column_stack([p.residual(run) for p in self._predicted])
-        errors[self._unjudged] = np.nan
+        errors[~self.judged] = np.nan
         return errors
 
     def states(self) -> Mapping[str, np.ndarray]:

@@ -67,16 +67,23 @@ class Curve:
 
     values: (n,). negligible: noise below which it is taken as it is. before: ticks of continuation.
     moving: mirror them through the first value, so that motion goes on as it was; else hold it.
+    cutoff_hz: of the low-pass; None: where the signal sinks into its noise.
     """
 
     def __init__(
-        self, values: np.ndarray, negligible: float, before: int, moving: bool = False
+        self,
+        values: np.ndarray,
+        negligible: float,
+        before: int,
+        moving: bool = False,
+        cutoff_hz: float | None = None,
     ) -> None:
         values = bridged(np.asarray(values, dtype=np.float64))
         self.spectrum = spectrum(values)
-        self.smoothed = self.spectrum.noise > negligible
+        self.cutoff_hz = self.spectrum.cutoff_hz if cutoff_hz is None else cutoff_hz
+        self.smoothed = cutoff_hz is not None or self.spectrum.noise > negligible
         if self.smoothed:
-            values = low_pass(values, self.spectrum.cutoff_hz)
+            values = low_pass(values, self.cutoff_hz)
         led_in = 2.0 * values[0] - values[before:0:-1] if moving else np.full(before, values[0])
         values = np.concatenate([led_in, values])
         self.values = values
