@@ -55,6 +55,7 @@ ROS_MODULES |= {
         "check_node.case",
         "check_node.checking",
         "cli.check_node",
+        "cli.node",
     )
 }
 """Modules that stand on rclpy beside the nodes, whose names end with ``_node``."""

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from steering_bringup.cores import build_cores, node_parameters, rest_values
+from steering_bringup.errors import BenchError
 from steering_bringup.graphs import RECORDER, connection_delays
 from steering_bringup.outcome import Outcome, peaks_of
 from steering_bringup.plans import Plan
 from steering_bringup.process_age import process_age
 from steering_bringup.progress import Bar
+from steering_lockstep.graph_file import write_run
+from steering_lockstep.settings import RunSettings
 
 if TYPE_CHECKING:
     from steering_bringup.rig_runs import Connection
@@ -21,7 +25,7 @@ if TYPE_CHECKING:
 
 def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
     """Run the plan over DDS and return what it did; a failed run tells why in ``error``."""
-    from steering_lockstep.processes import placement, run_graph
+    from steering_lockstep.processes import START_TIMEOUT, placement, run_graph
 
     scenario = plan.scenario
     age = process_age()
@@ -47,6 +51,8 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
             zygote=zygote,
             domain=plan.manner.domain,
             urgent=plan.rig is not None,
+            external=plan.manner.external,
+            start_timeout=plan.manner.wait if plan.manner.external else START_TIMEOUT,
         )
         notes = [] if connection is None else connection.notes()
     outcome = Outcome(
@@ -57,7 +63,7 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
         wall_time=result.wall_time,
         start_time=result.first_tick_time,
         since_command=age + result.first_tick_time,
-        processes=len(placement(plan.graph, plan.layout)),
+        processes=len(placement(plan.graph, plan.layout, plan.manner.external)),
         lost=dict(result.lost),
         error=_error(result),
         stopped_by=result.stopped_by,
@@ -66,6 +72,17 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
         notes=notes,
     )
     return _with_bag(plan, outcome)
+
+
+def write_external(plan: Plan, path: Path) -> None:
+    """Write all that the plan's external nodes must know; BenchError naming the path."""
+    run = RunSettings(plan.graph, plan.scenario.ticks, _rest(plan), plan.manner.real_time)
+    parameters = {name: _parameters(plan, None)[name] for name in plan.manner.external}
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_run(run, parameters, path)
+    except OSError as error:
+        raise BenchError(f"the file '{path}' cannot be written: {error.strerror}") from None
 
 
 def _parameters(plan: Plan, connection: Connection | None) -> dict[str, dict[str, Any]]:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from steering_bringup.errors import BenchError
-from steering_bringup.graphs import build_graph, connection_delays, connections
+from steering_bringup.graphs import RECORDER, build_graph, connection_delays, connections
 from steering_bringup.replays import REPLAY_KIND, Replay, load_replay
 from steering_bringup.rig_runs import RIG_KIND, RigChoice, rig_layout, with_rig
 from steering_bringup.scenario_files import load_node_set
 from steering_bringup.schema import NodeSet, Scenario
+from steering_core.naming import unknown
 from steering_lockstep.graph import CLOCK, Graph, NodeSpec
 from steering_lockstep.settings import RunSettings
 
@@ -37,6 +38,7 @@ class Manner:
     """How runs are made, whatever is run. ``timeout``: s of wall clock without a tick.
 
     ``domain``: ROS_DOMAIN_ID in which nodes outside the run find it; None: a free one.
+    ``external``: nodes that somebody starts elsewhere, awaited for ``wait`` s.
     """
 
     runner: Literal["graph", "direct"] = "graph"
@@ -44,6 +46,8 @@ class Manner:
     real_time: bool = False
     timeout: float = 2.0
     domain: int | None = None
+    external: tuple[str, ...] = ()
+    wait: float = 60.0
 
 
 @dataclass(frozen=True)
@@ -121,6 +125,7 @@ def make_plan(
     )
     if direct:
         _check_direct(graph)
+    _check_external(graph, manner.external, from_bag)
     parameters = scenario.parameter_values().flat()
     run = RunSettings(graph, scenario.ticks)
     replays = {name: load_replay(graph.node(name), run, path) for name, path in from_bag.items()}
@@ -162,6 +167,18 @@ def _check_one_plant(node_set: NodeSet, from_bag: Mapping[str, Path]) -> None:
     for name, entry in node_set.nodes.items():
         if name in from_bag and entry.kind == RIG_KIND:
             raise BenchError(f"'{name}' is the rig's place: leave out --from-bag {name}=...")
+
+
+def _check_external(graph: Graph, names: Iterable[str], from_bag: Collection[str]) -> None:
+    known = [node.name for node in graph.nodes]
+    for name in names:
+        if name not in known:
+            raise BenchError(f"--external {name}: {unknown('node', name, known)}")
+        why = "reads a bag of this computer" if name in from_bag else None
+        why = "is the clock" if name == graph.clock.name else why
+        why = "writes its bag on this computer" if name == RECORDER else why
+        if why:
+            raise BenchError(f"--external {name}: the node stays with the run, as it {why}")
 
 
 def _check_direct(graph: Graph) -> None:

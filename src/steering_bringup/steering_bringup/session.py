@@ -28,7 +28,12 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
             from steering_lockstep.kinds import location
             from steering_lockstep.zygote import Zygote
 
-            kinds = {node.kind for plan in graphs for node in plan.graph.nodes}
+            kinds = {
+                node.kind
+                for plan in graphs
+                for node in plan.graph.nodes
+                if node.name not in plan.manner.external
+            }
             zygote = stack.enter_context(Zygote(sorted(location(k).split(":")[0] for k in kinds)))
         for plan in plans:
             check_physics(plan)

@@ -17,8 +17,19 @@ from steering_lockstep.supervision import Child, Supervision
 from steering_lockstep.worker_job import Job
 from steering_lockstep.zygote import Zygote
 
-__all__ = ["Layout", "Progress", "RunError", "RunResult", "Zygote", "preload", "run_graph"]
+__all__ = [
+    "START_TIMEOUT",
+    "Layout",
+    "Progress",
+    "RunError",
+    "RunResult",
+    "Zygote",
+    "preload",
+    "run_graph",
+]
 
+START_TIMEOUT = 180.0
+"""s until the first tick: on a slow machine kernels are compiled first."""
 Layout = Literal["one", "each"] | Mapping[str, str]
 
 
@@ -31,13 +42,14 @@ def run_graph(
     layout: Layout = "one",
     real_time: bool = False,
     timeout: float = 2.0,
-    start_timeout: float = 180.0,
+    start_timeout: float = START_TIMEOUT,
     grace: float = 2.0,
     on_progress: Callable[[Progress], None] | None = None,
     domain: int | None = None,
     zygote: Zygote | None = None,
     executor: str | None = None,
     urgent: bool = False,
+    external: Sequence[str] = (),
 ) -> RunResult:
     """Run ``graph`` for ``ticks`` ticks over DDS and return what happened.
 
@@ -50,6 +62,7 @@ def run_graph(
     ``domain``: ROS_DOMAIN_ID, by default a free one. ``zygote``: see ``preload``. ``executor``:
     "module:function" of another rclpy executor, for comparison. ``urgent``: wall time counts
     (hardware is the clock): the nodes' processes are real-time ones where this is permitted.
+    ``external``: nodes that are started elsewhere (``standalone.run_alone``), in the same domain.
 
     Never raises for a failing run: the reason is ``RunResult.error``. SIGINT and SIGTERM end the
     run in order (``stopped_by``; a second one at once); no process is left when it returns.
@@ -67,9 +80,9 @@ def run_graph(
     supervision = Supervision(settings, timeout, start_timeout, grace, on_progress)
     try:
         with supervision.signals():
-            for names in placement(graph, layout).values():
+            for names in placement(graph, layout, external).values():
                 mine = {name: dict((parameters or {}).get(name, {})) for name in names}
-                job = Job(names, settings, claim.number, mine, ros, executor)
+                job = Job(names, settings, claim.number, mine, ros, executor, tuple(external))
                 supervision.add(Child(names, *crew.fork("steering_lockstep.worker:work", job)))
             result = supervision.run(crew)
     finally:
@@ -90,10 +103,12 @@ def preload(graph: Graph) -> Zygote:
     return Zygote(sorted({location(node.kind).split(":")[0] for node in graph.nodes}))
 
 
-def placement(graph: Graph, layout: Layout) -> dict[str, tuple[str, ...]]:
-    """Return which nodes run in which process: {process: node names}."""
+def placement(
+    graph: Graph, layout: Layout, external: Sequence[str] = ()
+) -> dict[str, tuple[str, ...]]:
+    """Return which nodes run in which process: {process: node names}, without ``external``."""
     processes: dict[str, tuple[str, ...]] = {}
-    for node in graph.nodes:
+    for node in (n for n in graph.nodes if n.name not in external):
         if layout == "one":
             process = "bench"
         elif layout == "each":

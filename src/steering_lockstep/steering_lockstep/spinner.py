@@ -32,7 +32,7 @@ class Spinner:
         self.executor: Executor = executor or EventsExecutor(context=context)
         for node in self.nodes:
             node.on_finished = self._check_finished
-            node.on_error = self._fail
+            node.on_error = self.fail
             node.in_events_executor = executor is None
             if isinstance(node, ClockNode):
                 node.sleep_until = self._sleep_until
@@ -90,7 +90,8 @@ class Spinner:
         if self.finished:
             self._future.set_result(None)
 
-    def _fail(self, error: LockstepError) -> None:
+    def fail(self, error: LockstepError) -> None:
+        """Leave ``run`` with ``error``, from any thread; the first one counts."""
         if self.error is None:
             self.error = error
             for node in self._clocks():

@@ -25,6 +25,7 @@ from steering_lockstep.kinds import factory
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.outcome import RunError
 from steering_lockstep.spinner import Spinner
+from steering_lockstep.standalone import Others
 from steering_lockstep.urgency import hurry
 from steering_lockstep.worker_job import Job
 
@@ -75,7 +76,7 @@ def work(connection: Connection, job: Job) -> None:
     try:
         nodes = _build(link, context, job)
         if len(nodes) == len(job.names):
-            _run(link, Spinner(context, nodes, _executor(job, context)))
+            _run(link, Spinner(context, nodes, _executor(job, context)), job)
         _close(link, nodes)
     finally:
         for node in nodes:
@@ -107,8 +108,8 @@ def _executor(job: Job, context: Context) -> Any:
     return getattr(importlib.import_module(module), name)(context=context)
 
 
-def _run(link: Link, spinner: Spinner) -> None:
-    if not _match(link, spinner):
+def _run(link: Link, spinner: Spinner, job: Job) -> None:
+    if not _match(link, spinner, job):
         return
     if spinner.nodes[0].run.urgent:
         hurry([node.spec.kind for node in spinner.nodes])
@@ -122,10 +123,18 @@ def _run(link: Link, spinner: Spinner) -> None:
     link.closing.wait()
 
 
-def _match(link: Link, spinner: Spinner) -> bool:
-    """Wait until all endpoints are matched in both directions; False if told to stop."""
+def _match(link: Link, spinner: Spinner, job: Job) -> bool:
+    """Wait until all endpoints are matched in both directions; False if told to stop.
+
+    Nodes outside know of each other by their word alone, and of ours by ours.
+    """
+    others = Others(spinner.nodes[0], job.run.graph) if job.external else None
     due = monotonic() + MATCHING_REPORT
-    while missing := spinner.unmatched():
+    told = False
+    while missing := spinner.unmatched() or _not_heard_of(others, job):
+        if others is not None and not told and not spinner.unmatched():
+            others.tell(job.names)
+            told = True
         if (word := link.receive(0.0)) is not None:
             _heed(link, spinner, word)
             return False
@@ -133,8 +142,16 @@ def _match(link: Link, spinner: Spinner) -> bool:
             link.send("matching", missing)
             due = monotonic() + MATCHING_REPORT
         spinner.spin_for(MATCHING_STEP)
+    if others is not None and not told:
+        others.tell(job.names)
     link.send("ready")
     return True
+
+
+def _not_heard_of(others: Others | None, job: Job) -> list[str]:
+    """Return which of the nodes outside have not said that they are ready."""
+    missing = [] if others is None else [n for n in others.missing if n in job.external]
+    return [f"node '{name}', which is started elsewhere, has not come up" for name in missing]
 
 
 def _watch(link: Link, spinner: Spinner) -> None:

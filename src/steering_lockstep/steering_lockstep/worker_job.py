@@ -14,6 +14,7 @@ class Job:
     """Run the nodes called ``names`` of ``run``'s graph in one process.
 
     ``parameters``: {node: {ROS parameter: value}}; ``environment`` is set before ROS starts;
+    ``external``: nodes of the graph that somebody starts elsewhere; they are waited for.
     ``executor``: "module:function" of an executor to compare with, None: our own.
     """
 
@@ -23,3 +24,4 @@ class Job:
     parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     environment: Mapping[str, str] = field(default_factory=dict)
     executor: str | None = None
+    external: tuple[str, ...] = ()

@@ -14,6 +14,7 @@ from typing import Any
 
 COMMANDS = {
     "run": "run a scenario through the ROS graph (or --direct), record and compare",
+    "node": "run one node of a run by hand, on this or another computer",
     "play": "publish a bag on ROS topics, at any rate",
     "check-node": "check an overlay node: feed it the bench, inject faults, give a verdict",
     "compare": "compare two bags on one HTML page",

@@ -24,6 +24,7 @@ EXAMPLES = """examples:
   steer run --direct --set manoeuvre.amplitude_deg=20
   steer run step --from-bag driver=results/step-1/closed_centre
   steer run on_centre --node-set closed_centre --plant rig --rig-link can
+  steer run lane_keeping --external lane_keeper --domain 42
   steer run --delay '/valve/left/command->plant=1' --delay '/valve/right/command->plant=1' \\
             --set valve_controller.resonance=400"""
 
@@ -65,6 +66,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--real-time", action="store_true", help="pace the ticks to the wall clock")
     add("--domain", metavar="N", type=int, help="ROS_DOMAIN_ID, for nodes outside (default: free)")
     add("--timeout", metavar="S", type=float, default=2.0, help="s without a tick (default: 2)")
+    add(
+        "--external",
+        metavar="NODE",
+        action="append",
+        default=[],
+        help="a node that is started elsewhere, with 'steer node'; repeatable",
+    )
+    add("--wait", metavar="S", type=float, default=60.0, help="s for it to come up (default: 60)")
     rig = parser.add_argument_group("a rig in the plant's place")
     add = rig.add_argument
     add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
@@ -91,6 +100,7 @@ def execute(options: argparse.Namespace) -> int:
     scenario = _scenario(options)
     folder = _folder(options, scenario.name)
     plans = _plans(options, scenario, folder)
+    _prepare_external(plans, folder)
     outcomes = run_all(plans, _tell)
     report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
     if len(outcomes) == 2 and all(outcome.ok and outcome.bag for outcome in outcomes):
@@ -195,7 +205,36 @@ def _manner(options: argparse.Namespace) -> Manner:
     if options.domain is not None and not 0 <= options.domain <= LAST_DOMAIN:
         raise BenchError(f"--domain must be from 0 to {LAST_DOMAIN}, got {options.domain}")
     runner: Any = "direct" if options.direct else "graph"
-    return Manner(runner, options.processes, options.real_time, options.timeout, options.domain)
+    if options.external and (options.direct or options.domain is None):
+        raise BenchError("--external needs the graph and --domain N, in which the node is found")
+    if not options.wait > 0.0:
+        raise BenchError(f"--wait must be greater than 0 s, got {options.wait:g}")
+    external = tuple(dict.fromkeys(options.external))
+    return Manner(
+        runner,
+        options.processes,
+        options.real_time,
+        options.timeout,
+        options.domain,
+        external,
+        options.wait,
+    )
+
+
+def _prepare_external(plans: list[Plan], folder: Path) -> None:
+    """Write the file for the nodes that are started elsewhere, and say how to start them."""
+    for plan in plans:
+        if not plan.manner.external:
+            continue
+        if len(plans) > 1:
+            raise BenchError("--external runs one node set: choose it with --node-set")
+        from steering_bringup.graph_run import write_external
+
+        path = folder / "nodes.json"
+        write_external(plan, path)
+        for name in plan.manner.external:
+            print(f"start: ROS_DOMAIN_ID={plan.manner.domain} ./steer node {path} {name}")
+        print(f"waiting for them for {plan.manner.wait:g} s", flush=True)
 
 
 def _tell(outcome: Outcome) -> None:
