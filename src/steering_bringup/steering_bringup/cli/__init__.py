@@ -25,6 +25,7 @@ COMMANDS = {
     "rig-test": "the source's rig tests on the simulated plant, each recorded to a bag",
     "identify": "what rig tests tell of a gear, as a parameter set that loads",
     "validate": "a model against a recorded system test, channel by channel",
+    "design-valve": "step time against solenoid force: Pareto fronts of the valve's design",
     "plan": "the experiment that separates what a diagnosis could not",
     "bench": "measure speed and accuracy against the targets",
 }
@@ -34,6 +35,7 @@ PACKAGES: dict[str, str] = {
     "rig-test": "steering_studies",
     "identify": "steering_studies",
     "validate": "steering_studies",
+    "design-valve": "steering_studies",
     "plan": "steering_diagnosis",
 }
 """Packages above this one whose ``cli`` folder holds the command's module; others are here."""
