@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from steering_core.parameters import load_parameters
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import BALANCES, VALVE_SYSTEMS, Parameter, arguments
 from steering_plant.effects.models import all_effects, plant_model
+from steering_plant.effects.table import page
 from steering_plant.model.states import LEFT, VELOCITY
 from steering_plant.plant import Plant
 from steering_plant.rest import rest_servo_command, rest_solenoid_force
@@ -200,6 +202,12 @@ def test_with_every_effect_on_the_plant_comes_to_rest(valve_system: str) -> None
     for tick in range(1500):
         plant.step(tick, 0.0, rest, rest, 0.0, 0.0, 0.0)
     assert abs(plant.state[VELOCITY]) < 1e-3
+
+
+def test_the_page_of_effects_is_that_of_the_registry() -> None:
+    """``python -m steering_plant.effects.table > docs/effects.md`` makes it again."""
+    made = Path(__file__).parents[2] / "docs" / "effects.md"
+    assert made.read_text(encoding="utf-8") == page()
 
 
 def test_an_unknown_effect_is_named_with_the_nearest() -> None:

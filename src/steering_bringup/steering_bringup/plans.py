@@ -99,7 +99,21 @@ class Plan:
             text
             for name, replay in self.replays.items()
             for text in (f"node '{name}' was replayed from '{replay.bag}'", *replay.notes)
-        ]
+        ] + idle_effects(self.scenario.effects, self.node_set.valve_system)
+
+
+def idle_effects(effects: Mapping[str, Any], valve_system: str) -> list[str]:
+    """Return a note on each effect that is on and does nothing in ``valve_system``."""
+    if not effects:
+        return []
+    from steering_plant.effects import EFFECTS
+
+    return [
+        f"effect '{name}' does nothing in {valve_system}: it acts in "
+        f"{', '.join(EFFECTS[name].valve_systems)}"
+        for name in effects
+        if valve_system not in EFFECTS[name].valve_systems
+    ]
 
 
 def make_plan(

@@ -106,7 +106,14 @@ def _effects() -> list[Entry]:
         {
             "name": name,
             "text": effect.summary,
-            "more": [f"{parameter} = {line}" for parameter, line in effect.info.items()],
+            "more": [
+                *(f"{parameter} = {line}" for parameter, line in effect.info.items()),
+                f"balance: {', '.join(effect.balances)}; in {', '.join(effect.valve_systems)}",
+                f"needs: {effect.excitation}",
+            ],
+            "balances": list(effect.balances),
+            "valve_systems": list(effect.valve_systems),
+            "excitation": effect.excitation,
         }
         for name, effect in EFFECTS.items()
     ]

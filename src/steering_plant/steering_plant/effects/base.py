@@ -188,8 +188,9 @@ class Effect:
     @property
     def info(self) -> dict[str, str]:
         """Return a line about each parameter."""
+        units = {name: "" if p.unit == "1" else f" {p.unit}" for name, p in self.parameters.items()}
         return {
-            name: f"{p.typical:g} {p.unit} ({p.low:g} to {p.high:g}, neutral {p.neutral:g}): "
+            name: f"{p.typical:g}{units[name]} ({p.low:g} to {p.high:g}, neutral {p.neutral:g}): "
             f"{p.meaning}"
             for name, p in self.parameters.items()
         }

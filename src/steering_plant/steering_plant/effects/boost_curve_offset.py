@@ -21,7 +21,7 @@ EFFECT = Effect(
     summary="the open-centre valve's middle is not at zero torque",
     sees="assistance to one side without torque; the boost curve is shifted sideways",
     equation="A_1, A_2 = areas(T + offset)",
-    source="sections 3.2 and 4.2 of the source: valve rotor against torsion bar, pinned by hand",
+    source="section 4.2 of the source: the bridge's areas by the torsion bar's torque",
     balance="valve flow",
     excitation="torsion-bar torque through zero to above 2 N m in both directions",
     separating="slow triangles of torque against a blocked rack, both directions",

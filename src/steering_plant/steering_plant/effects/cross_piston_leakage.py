@@ -23,7 +23,7 @@ EFFECT = Effect(
     summary="oil leaks past the piston seal from chamber to chamber",
     sees="held load pressure costs supply flow; the rack creeps; pressure peaks are lower",
     equation="q = c (p_right - p_left), laminar, out of one chamber and into the other",
-    source="H. E. Merritt, Hydraulic Control Systems (1967), section 6-1",
+    source="H. E. Merritt, Hydraulic Control Systems (1967), chapter 6: power elements",
     balance="left chamber continuity",
     also=("right chamber continuity",),
     excitation="load pressure above 20 bar, or a held load",

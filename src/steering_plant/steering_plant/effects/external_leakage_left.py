@@ -17,7 +17,7 @@ EFFECT = Effect(
     summary="oil leaks out of the left chamber to the tank",
     sees="pushing right takes more flow or gives less pressure than pushing left",
     equation="q = c p_left, laminar, out of the left chamber",
-    source="H. E. Merritt, Hydraulic Control Systems (1967), section 6-1",
+    source="H. E. Merritt, Hydraulic Control Systems (1967), chapter 6: power elements",
     balance="left chamber continuity",
     excitation="pressure above 20 bar in the left chamber",
     separating="hold the rack under load to the left, then to the right, 20 to 80 bar",

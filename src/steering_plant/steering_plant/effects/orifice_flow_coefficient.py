@@ -9,7 +9,7 @@ EFFECT = Effect(
     summary="the orifices pass more or less flow at the same pressure drop",
     sees="open centre: all pressures change alike; closed centre: another droop with load flow",
     equation="q = factor C_q A sqrt(2 dp/rho)",
-    source="H. E. Merritt, Hydraulic Control Systems (1967), section 3-4",
+    source="H. E. Merritt, Hydraulic Control Systems (1967), chapter 3: flow through orifices",
     balance="valve flow",
     excitation="load flow, or torsion-bar torque above 2 N m",
     separating="the pump's pressure at rest, at two pump flows",

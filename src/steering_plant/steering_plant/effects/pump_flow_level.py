@@ -9,7 +9,7 @@ EFFECT = Effect(
     summary="the pump delivers more or less",
     sees="pump and load pressures change with the square of the flow, at all torques",
     equation="q_p = factor q_0",
-    source="section 3.2 of the source: a pump of constant flow; its volumetric losses",
+    source="J. and M. Ivantysynova, Hydrostatic Pumps and Motors (2001): volumetric losses",
     balance="supply",
     excitation="torsion-bar torque above 2 N m, or the pump's pressure at rest",
     separating="fast ramps of angle: the flow limits the rack's speed",

@@ -27,7 +27,7 @@ EFFECT = Effect(
     separating="record at rest at two speeds of the pump",
     valve_systems=("open_centre",),
     parameters={
-        "amplitude": Parameter("over the mean flow", "1", 0, 0, 0.3, 0.03),
+        "amplitude": Parameter("over the mean flow", "1", 0, 0, 0.3, 0.05),
         "frequency": Parameter("vanes times revolutions", "Hz", 150, 10, 450, 150, shape=True),
         "phase": Parameter("at the start", "rad", 0, -3.15, 3.15, 0, shape=True),
     },

@@ -9,7 +9,7 @@ EFFECT = Effect(
     summary="the moving mass at the rack is larger or smaller",
     sees="force in proportion to the rack's acceleration; lower resonance",
     equation="(M_rw + added) x'' = sum of forces",
-    source="equation 4.2 of the source; the rig's weights (section 3.1) are exchangeable",
+    source="equation 4.2 of the source; 20 kg of it are weights on the rig (section 3.1)",
     balance="rack force",
     excitation="rack acceleration above 1 m/s2: steering above 3 Hz",
     separating="a sine sweep of angle from 1 to 10 Hz",

@@ -9,7 +9,7 @@ EFFECT = Effect(
     summary="the rack is damped more, in proportion to its speed",
     sees="torque that grows with the rack's speed; slower return after release",
     equation="F = (b_rw + added) v",
-    source="H. E. Merritt, Hydraulic Control Systems (1967), section 6-2",
+    source="H. E. Merritt, Hydraulic Control Systems (1967), chapter 6: power elements",
     balance="rack force",
     excitation="rack speeds above 20 mm/s",
     separating="triangles of angle at 3 and at 30 mm/s rack speed",

@@ -38,8 +38,9 @@ EFFECT = Effect(
     source="outlook of the source, chapters 9 and 11: a solenoid adds a time lag",
     balance="valve spool",
     valve_systems=("closed_centre",),
+    separating="steps of command against a blocked rack, up and down",
     excitation="commands that change within a few milliseconds",
-    parameters={"time_constant": Parameter("of the lag", "s", 0, 0, 0.02, 0.001)},
+    parameters={"time_constant": Parameter("of the lag", "s", 0, 0, 0.02, 0.002)},
     slots={"left_solenoid": left_solenoid_force, "right_solenoid": right_solenoid_force},
     states={
         "left_force": State("left_solenoid", left_rate),

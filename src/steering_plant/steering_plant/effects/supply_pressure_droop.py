@@ -23,7 +23,7 @@ EFFECT = Effect(
     summary="the supply's pressure falls with the flow that is drawn",
     sees="supply pressure dips while the rack moves fast, and comes back",
     equation="p_s = p_0 - d, time_constant d' = resistance q_s - d",
-    source="H. E. Merritt, Hydraulic Control Systems (1967), section 12-2: supply and accumulator",
+    source="H. E. Merritt, Hydraulic Control Systems (1967), hydraulic power supplies",
     balance="supply",
     excitation="rack speeds above 20 mm/s",
     separating="fast ramps of angle in both directions",

@@ -35,6 +35,7 @@ EFFECT = Effect(
     equation="(sigma/u) F' + F = F_steady",
     source="H. B. Pacejka, Tyre and Vehicle Dynamics, chapter 1: first-order relaxation",
     balance="load",
+    separating="a sine sweep of angle at 20 and at 100 km/h",
     excitation="steering above 1 Hz, or speeds below 40 km/h",
     parameters={"relaxation_length": Parameter("rolled distance to 63 %", "m", 0, 0, 2, 0.4)},
     acts_in="vehicle",

@@ -36,7 +36,7 @@ EFFECT = Effect(
     summary="the spools of the pressure control valves stick",
     sees="pressure at the same command differs with the direction in which load flow changes",
     equation="F' = (level v - F |v|)/displacement, opposing the spool's motion",
-    source="H. E. Merritt, Hydraulic Control Systems (1967), section 11-5: spool friction",
+    source="H. E. Merritt, Hydraulic Control Systems (1967), chapter 5: control valves",
     balance="valve spool",
     excitation="load flow that changes by more than 1 l/min, to and fro",
     separating="a held command while the rack is moved to and fro at 20 mm/s",
