@@ -94,12 +94,10 @@ class Plan:
 
     def notes(self) -> list[str]:
         """Return what a reader of the results must know about their inputs."""
-        rig = [] if self.rig is None else self.rig.notes(self.scenario.effects)
-        return rig + [
-            text
-            for name, replay in self.replays.items()
-            for text in (f"node '{name}' was replayed from '{replay.bag}'", *replay.notes)
-        ] + idle_effects(self.scenario.effects, self.node_set.valve_system)
+        notes = [] if self.rig is None else list(self.rig.notes(self.scenario.effects))
+        for name, replay in self.replays.items():
+            notes += [f"node '{name}' was replayed from '{replay.bag}'", *replay.notes]
+        return notes + idle_effects(self.scenario.effects, self.node_set.valve_system)
 
 
 def idle_effects(effects: Mapping[str, Any], valve_system: str) -> list[str]:
