@@ -68,11 +68,16 @@ class Bridge:
         *,
         asked_age: int = 0,
         late: str | None = None,
+        excused: bool = False,
         reset: bool = False,
     ) -> Reply:
-        """Send the commands of this tick, as far as the guard lets them through."""
+        """Send the commands of this tick, as far as the guard lets them through.
+
+        excused: old commands are no fault.
+        """
         was = self.guard.state
-        reply = self.guard.command(asked, asked_age=asked_age, late=late, reset=reset)
+        age = 0 if excused else asked_age
+        reply = self.guard.command(asked, asked_age=age, late=late, reset=reset)
         if was is State.SAFE and reply.state is State.CHECKING:
             self.offset.reset()
         self._send(ORDERS[reply.state], reply.commands)

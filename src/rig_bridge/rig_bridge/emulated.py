@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ipaddress
-import os
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -13,6 +12,7 @@ from typing import Any
 from rig_bridge.helpers import Helper, helper
 from rig_bridge.rig_file import RigFile
 from rig_bridge.transport.settings import address
+from steering_lockstep.urgency import hasten
 from steering_core.errors import BenchError
 
 READY_S = 180.0
@@ -72,6 +72,4 @@ def _check_loopback(host: str) -> None:
 
 def _hurry(process: Helper, priority: int) -> None:
     if priority:
-        with suppress(OSError):
-            parameters = os.sched_param(priority)
-            os.sched_setscheduler(process.process.pid, os.SCHED_FIFO, parameters)
+        hasten(process.process.pid, priority)

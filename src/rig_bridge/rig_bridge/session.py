@@ -20,6 +20,9 @@ ANSWER_NS = 950_000
 FIRST_WAIT_S, NEXT_WAIT_S = 2e-3, 1e-3
 """A frame that is one period late is missing, and each period after it brings one more."""
 
+FIRST_COMMANDS_TICKS = 100
+"""For so long the commands of rest are held while the nodes' first ones are on their way."""
+
 LISTED = 100
 LAST_ORDERS = 3
 Column = tuple[str, str]
@@ -63,6 +66,8 @@ class Session:
         self.closed = False
         self.wants_reset = False
         self.lost = 0
+        self.begun = False
+        self.commanded = False
 
     @property
     def preparing(self) -> bool:
@@ -92,15 +97,20 @@ class Session:
         bridge = self.open_bridge
         waits = FIRST_WAIT_S if bridge.guard.measurements.fresh else NEXT_WAIT_S
         bridge.receive(waits)
-        return bridge.periods if self.started else []
+        if not self.started:
+            return []
+        self.begun = self.begun or bool(bridge.periods)
+        return bridge.periods
 
     def answer(self, tick: int, values: Sequence[float], age: int, late: str | None) -> None:
         """Send the commands among ``values``, or the safe ones."""
         bridge = self.open_bridge
         was = bridge.guard.state
         asked = {name: values[index] for name, index in self.index.items()}
+        self.commanded = self.commanded or (self.begun and age == 0)
+        excused = not self.commanded and tick < FIRST_COMMANDS_TICKS
         reset, self.wants_reset = self.wants_reset, False
-        reply = bridge.answer(asked, asked_age=age, late=late, reset=reset)
+        reply = bridge.answer(asked, asked_age=age, late=late, excused=excused, reset=reset)
         self._note_lost(tick)
         if reply.state is not was:
             self._note_state(was, tick)

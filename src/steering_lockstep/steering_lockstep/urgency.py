@@ -10,20 +10,26 @@ from pathlib import Path
 
 from steering_lockstep.graph import RECORDER_KIND
 
-PRIORITY = 20
+PRIORITY, RECORDER_PRIORITY = 20, 10
+"""A recorder comes after the loop, but before everything else: it shares locks with the loop."""
 
 
 def hurry(kinds: Iterable[str]) -> None:
-    """Prepare a process with nodes of ``kinds``; a recorder alone may wait, so that others do not.
+    """Prepare a process with nodes of ``kinds``.
 
-    The collector of cyclic garbage stays off: the nodes make none, and it would stop them for
-    milliseconds. Without the permission for real-time scheduling that part is left out.
+    The collector of cyclic garbage stays off in the loop: the nodes make none, and it would stop
+    them for milliseconds. Without the permission for real-time scheduling that part is left out.
     """
     gc.collect()
     gc.freeze()
-    if set(kinds) == {RECORDER_KIND}:
-        return
-    gc.disable()
-    for thread in Path("/proc/self/task").iterdir():
-        with suppress(OSError):
-            os.sched_setscheduler(int(thread.name), os.SCHED_FIFO, os.sched_param(PRIORITY))
+    records = set(kinds) == {RECORDER_KIND}
+    if not records:
+        gc.disable()
+    hasten(os.getpid(), RECORDER_PRIORITY if records else PRIORITY)
+
+
+def hasten(pid: int, priority: int) -> None:
+    """Give all threads of a process a real-time ``priority``, where this is permitted."""
+    with suppress(OSError):
+        for thread in Path(f"/proc/{pid}/task").iterdir():
+            os.sched_setscheduler(int(thread.name), os.SCHED_FIFO, os.sched_param(priority))
