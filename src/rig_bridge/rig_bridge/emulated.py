@@ -12,8 +12,8 @@ from typing import Any
 from rig_bridge.helpers import Helper, helper
 from rig_bridge.rig_file import RigFile
 from rig_bridge.transport.settings import address
-from steering_lockstep.urgency import hasten
 from steering_core.errors import BenchError
+from steering_lockstep.urgency import hasten
 
 READY_S = 180.0
 """Until the emulated rig is there: its kernels may have to be compiled first."""
