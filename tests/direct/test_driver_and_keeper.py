@@ -61,7 +61,7 @@ def test_a_driver_who_steers_along_does_not_overrule():
 
 
 def test_the_driver_overrules_with_few_newton_metres():
-    """UN R79 (5.6.2.1.3) allows 50 N at the rim, 9.5 N m; here it takes less than a third."""
+    """UN R79 (Annex 8, 3.2.3) allows 50 N at the rim, 9.5 N m; here it takes less than a third."""
     aside, trace = drive("lane_change")
     held = slice(TAKES_THE_WHEEL, LETS_GO)
     assert np.max(aside) > 3.0
