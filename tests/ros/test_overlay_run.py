@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench_process import Bench
+from bench_process import Bench, wait_for
 
 from steering_bringup.bags import first_difference, read_bag
 from steering_bringup.shipped import shipped
@@ -68,9 +68,11 @@ def test_the_guides_guest_steers_from_another_process_and_is_faded_out(tmp_path)
     environment = {**os.environ, "ROS_DOMAIN_ID": "77"}
     words = ("--node-set", "closed_centre_overlay", "--real-time", "--domain", "77")
     bench = Bench("run", "lane_keeping", *words, "--duration", "8", "--out", "out", folder=tmp_path)
-    guest = subprocess.Popen([sys.executable, str(program)], env=environment)
+    words = (sys.executable, "-m", "steering_bringup.cli", "python", str(program))
+    guest = subprocess.Popen(words, env=environment)
     try:
-        time.sleep(10.0 if bench.process.poll() is None else 0.0)
+        wait_for((tmp_path / "out" / "closed_centre_overlay").exists)
+        time.sleep(6.0)
     finally:
         guest.kill()
         guest.wait()
@@ -87,7 +89,7 @@ def test_the_guides_member_runs_in_lock_step(tmp_path):
     text = shipped("node set")["closed_centre_lane_keeping"].read_text()
     (tmp_path / "mine.yaml").write_text(text.replace("kind: lane_keeper", "kind: my_keeper:make"))
     words = ("run", "lane_keeping", "--node-set", "mine.yaml", "--duration", "2", "--out", "out")
-    status, _, err = Bench(*words, folder=tmp_path, modules=[tmp_path]).finish()
+    status, _, err = Bench(*words, folder=tmp_path).finish()
     assert status == 0, err
     trace = read_bag(tmp_path / "out" / "closed_centre_lane_keeping")
     assert set(trace["/torque_overlay/applied"]["source"]) == {1}

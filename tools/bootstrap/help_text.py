@@ -28,7 +28,7 @@ def _of_command_line(file: Path) -> dict[str, str]:
 
 def text(root: Path) -> str:
     """The whole help."""
-    lines = "\n".join(f"  {name:9} {line}" for name, line in commands(root).items())
+    lines = "\n".join(f"  {name:12} {line}" for name, line in commands(root).items())
     return f"""usage: ./steer COMMAND [OPTIONS]
 
 Open test bench for hydraulic power steering on ROS 2 Jazzy. The first call sets up everything.

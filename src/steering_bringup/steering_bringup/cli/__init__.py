@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import re
 import select
@@ -17,6 +18,7 @@ COMMANDS = {
     "node": "run one node of a run by hand, on this or another computer",
     "play": "publish a bag on ROS topics, at any rate",
     "check-node": "check an overlay node: feed it the bench, inject faults, give a verdict",
+    "python": "run a Python program of one's own with rclpy and the bench's messages",
     "compare": "compare two bags on one HTML page",
     "list": "list scenarios, node sets, rigs, manoeuvres, loads, effects and parameters",
     "repeat": "repeat the run that a bag records and check that it is the same, bit for bit",
@@ -48,6 +50,9 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status: 0 only on success."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    with contextlib.suppress(OSError):
+        # Last, so that it shadows nothing: where a node of one's own (MODULE:FUNCTION) is found.
+        sys.path.append(os.getcwd())
     parser = _parser(arguments)
     options, unknown = parser.parse_known_args(arguments)
     if unknown:
