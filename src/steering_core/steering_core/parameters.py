@@ -128,16 +128,18 @@ def load_parameters(name: str | Path = "nominal") -> ParameterSet:
     ParameterError naming the file.
     """
     path = Path(name)
+    if str(name) == "nominal":
+        return _shipped()
     if str(name) in shipped_sets():
-        return _shipped(str(name))
-    if path.suffix not in {".yaml", ".yml"}:
+        path = Path(str(resources.files("steering_core"))) / "parameter_sets" / f"{name}.yaml"
+    elif path.suffix not in {".yaml", ".yml"}:
         raise ParameterError(unknown("parameter set", str(name), shipped_sets()))
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"cannot read the parameter set {path}: {error}") from None
     try:
-        nominal = _shipped("nominal")
+        nominal = _shipped()
         return _with_lines(nominal, content).with_values(dict(flatten(content)))
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
@@ -187,8 +189,8 @@ def flatten(content: Any, whole: bool = False) -> Iterator[tuple[str, Any]]:
 
 
 @cache
-def _shipped(name: str) -> ParameterSet:
-    text = (resources.files("steering_core") / "parameter_sets" / f"{name}.yaml").read_text("utf-8")
+def _shipped() -> ParameterSet:
+    text = (resources.files("steering_core") / "parameter_sets" / "nominal.yaml").read_text("utf-8")
     sheet = {
         f"{group}.{parameter}": Info(**line)
         for group, lines in yaml.safe_load(text).items()

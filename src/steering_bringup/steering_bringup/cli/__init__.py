@@ -28,6 +28,7 @@ COMMANDS = {
     "identify": "what rig tests tell of a gear, as a parameter set that loads",
     "validate": "a model against a recorded system test, channel by channel",
     "design-valve": "step time against solenoid force: Pareto fronts of the valve's design",
+    "study": "questions beyond the source: energy, heavy vehicle, ...; each on one page",
     "reproduce": "every figure of the source, with its numbers beside ours",
     "plan": "the experiment that separates what a diagnosis could not",
     "bench": "measure speed and accuracy against the targets",
@@ -39,6 +40,7 @@ PACKAGES: dict[str, str] = {
     "identify": "steering_studies",
     "validate": "steering_studies",
     "design-valve": "steering_studies",
+    "study": "steering_studies",
     "reproduce": "steering_studies",
     "plan": "steering_diagnosis",
 }
