@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from steering_core.parameters import load_parameters
+from steering_plant.boost_curve import FORMULA
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import BALANCES, VALVE_SYSTEMS, Parameter, arguments
 from steering_plant.effects.models import all_effects, plant_model
@@ -35,9 +36,9 @@ def rest_command(plant: Plant) -> float:
     return rest_solenoid_force(par, pressure) if plant.valve_system == "closed_centre" else 0.0
 
 
-def weave(valve_system: str, effects: Effects) -> np.ndarray:
+def weave(valve_system: str, effects: Effects, load_cylinder: bool = False) -> np.ndarray:
     """Return measurements and truth, (400, 17), of a plant turned to and fro with its valves."""
-    plant = Plant(load_parameters(), valve_system, effects=effects)
+    plant = Plant(load_parameters(), valve_system, FORMULA, effects, load_cylinder)
     rest = rest_command(plant)
     size = 0.02 if valve_system == "servo_valve" else 4.0
     rows = []
@@ -60,6 +61,16 @@ def test_neutral_effects_reproduce_the_nominal_model_to_the_bit(
 ) -> None:
     neutral = weave(valve_system, all_effects(valve_system))
     assert neutral.tobytes() == nominal[valve_system].tobytes()
+
+
+def test_effects_act_beside_a_load_cylinder_too() -> None:
+    """Neutral ones change no bit; more friction of its piston shows."""
+    nominal = weave("open_centre", {}, load_cylinder=True)
+    neutral = weave("open_centre", all_effects("open_centre"), load_cylinder=True)
+    friction: Effects = {"load_cylinder_friction": {"level": 100.0}}
+    rubbing = weave("open_centre", all_effects("open_centre", friction), load_cylinder=True)
+    assert neutral.tobytes() == nominal.tobytes()
+    assert np.max(np.abs(rubbing - nominal)[:, 8]) > 10.0
 
 
 def test_neutral_tyres_reproduce_the_nominal_vehicle_to_the_bit() -> None:

@@ -94,10 +94,14 @@ class Plan:
 
     def notes(self) -> list[str]:
         """Return what a reader of the results must know about their inputs."""
-        notes = [] if self.rig is None else list(self.rig.notes(self.scenario.effects))
+        effects = self.scenario.effects
+        if self.rig is None:
+            notes = idle_effects(effects, self.node_set.valve_system)
+        else:
+            notes = list(self.rig.notes(effects))
         for name, replay in self.replays.items():
             notes += [f"node '{name}' was replayed from '{replay.bag}'", *replay.notes]
-        return notes + idle_effects(self.scenario.effects, self.node_set.valve_system)
+        return notes
 
 
 def idle_effects(effects: Mapping[str, Any], valve_system: str) -> list[str]:
