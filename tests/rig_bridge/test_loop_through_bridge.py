@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from healthy_rig import emulated_rig
 from rig_links import both_ends
 from rig_loop import Loop
 
@@ -9,13 +10,13 @@ from driver_model.driver import Driver
 from driver_model.manoeuvres import make_manoeuvre
 from pressure_control.controller import ValveController
 from rig_bridge.safety.machine import State
-from rig_bridge.signals import COMMANDED
 from steering_core.parameters import load_parameters
 from steering_plant.plant import Plant
 from vehicle_model.loads import LOADS
 from vehicle_model.vehicle import Vehicle
 
 TICKS = 3000
+NAMES = emulated_rig().commanded
 # One more sample of delay than in simulation, and noise: a lower gain than the data sheet's.
 PARAMETERS = load_parameters("nominal").with_values({"valve_controller.resonance": 300.0})
 
@@ -36,7 +37,7 @@ class Bench:
         torque = self.driver.step(tick, *measured[:3])[0]
         load = self.vehicle.step(tick, *measured[6:])
         left, right = (valve.step(tick, *measured).copy() for valve in self.valves)
-        return dict(zip(COMMANDED, (torque, *left, *right, *load), strict=True))
+        return dict(zip(NAMES, (torque, *left, *right, *load), strict=True))
 
 
 def simulated(bench):
@@ -44,7 +45,7 @@ def simulated(bench):
     trace = [plant.out.copy()]
     for tick in range(TICKS):
         asked = bench.commands(tick, plant.out)
-        inputs = [asked[name] for name in COMMANDED if not name.endswith("reference_pressure")]
+        inputs = [asked[name] for name in NAMES if not name.endswith("reference_pressure")]
         trace.append(plant.step(tick, *inputs).copy())
     return np.array(trace)
 

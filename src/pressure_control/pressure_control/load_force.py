@@ -6,7 +6,7 @@ The servo valve's flow fills an oil spring, so valve opening to force is nearly 
 with a small K_c), K_q A 2 beta/V. A lag would turn its phase further back; what the spools' 250 Hz
 and the sampling take away is given back by a lead, which in (7.4) means gamma above 1. The piston's
 speed disturbs the force (A_p X s in 7.2); the rack's measured speed is fed forward, which (7.4)
-lacks.
+lacks; where it comes late, a low-pass keeps it off the oil springs' resonance.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pressure_control.limits import bounded
 from pressure_control.reference import SPEED_LIMIT
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterSet, record
+from steering_core.ticks import TICK_PERIOD
 
 FORCE_LIMIT = 1e5
 """Largest force [N] that is asked for or believed."""
@@ -51,7 +52,8 @@ def load_force_step(
     error = wanted - made
     led = p.lead_gain * error + state[0]
     state[0] = p.lead_pole * led - p.lead_gain * p.lead_zero * error
-    unloaded = p.force_gain * led - p.forward_gain * bounded(rack_v, -SPEED_LIMIT, SPEED_LIMIT)
+    state[1] += p.speed_weight * (bounded(rack_v, -SPEED_LIMIT, SPEED_LIMIT) - state[1])
+    unloaded = p.force_gain * led - p.forward_gain * state[1]
     # The load takes from the pressure drop over the open edges, or adds to it.
     share = made / p.largest_force if unloaded > 0.0 else -made / p.largest_force
     out[0] = wanted
@@ -63,7 +65,7 @@ class LoadForceController:
 
     def __init__(self, parameters: ParameterSet) -> None:
         self.par = load_force_record(parameters)
-        self.state = np.zeros(1)
+        self.state = np.zeros(2)
         self.out = np.zeros(2)
 
     def step(
@@ -113,16 +115,18 @@ def load_force_rate(parameters: ParameterSet) -> float:
 def load_force_record(parameters: ParameterSet) -> np.ndarray:
     """Return the record, shape (1,), that ``load_force_step`` takes as ``par``.
 
-    force_gain [1/N]: static gain K_p0/gamma of (7.4); forward_gain [s/m]; largest_force [N] of the
-    supply on the piston.
+    force_gain [1/N]: static gain K_p0/gamma of (7.4); forward_gain [s/m], and speed_weight of its
+    low-pass; largest_force [N] of the supply on the piston.
     """
     p = parameters.group("load_force_controller")
     rate = 1.0 / p["lead_time"]
     lead = sampled_lead(rate, p["lead_ratio"] * rate)
+    lowpass = p["speed_lowpass"]
     gain, area = p["gain"] / p["lead_ratio"], parameters["load_cylinder.piston_area"]
     return record(
         dict(zip(("lead_gain", "lead_zero", "lead_pole"), lead, strict=True))
         | {"force_gain": gain / load_force_rate(parameters)}
+        | {"speed_weight": -math.expm1(-TICK_PERIOD / lowpass) if lowpass > 0.0 else 1.0}
         | {"forward_gain": p["speed_feed_forward"] * area / load_flow_gain(parameters)}
         | {"largest_force": area * parameters["load_cylinder.supply_pressure"]}
     )

@@ -64,6 +64,14 @@ def servo_controller_record(
     return record(values)
 
 
+def rest_flow_pressure(parameters: ParameterSet, table: np.ndarray = FORMULA) -> float:
+    """Return K_c [m3/(s Pa)] of a chamber's two valves at the common pressure of rest."""
+    plant = plant_record(parameters, "servo_valve", table)
+    raised = parameters["servo_valve.common_pressure_raise"]
+    pressure = closed_centre_rest_pressure(plant, table, raised)
+    return flow_pressure_coefficient(plant[0], pressure)
+
+
 def flow_pressure_coefficient(p: np.void, pressure: float) -> float:
     """Return K_c = K_c1 + K_c2 [m3/(s Pa)] of a chamber's two valves at rest (7.5, 7.6)."""
     command, transition = rest_servo_command(p, pressure), p["laminar_transition_pressure"]

@@ -22,11 +22,17 @@ COMMANDED = {
     "load_force": "N",
     "load_stiffness": "N/m",
     "load_position": "m",
+    "left_valve_opening": "1",
+    "right_valve_opening": "1",
+    "load_reference_force": "N",
+    "load_valve_opening": "1",
 }
 """What a rig may take; its channel table lists those that it does take.
 
 A rig with a hand on the wheel takes no driver torque, one with its own pressure control takes
-reference pressures in place of solenoid forces.
+reference pressures in place of solenoid forces, one with servo valves takes openings, a share of
+the spools' stroke. With a load cylinder the load is its valve's opening; the references go along
+so that command and measurement can be watched.
 """
 
 PLACES = {
@@ -47,6 +53,10 @@ PLACES = {
     "load_force": ("/vehicle/rack_force", "force"),
     "load_stiffness": ("/vehicle/rack_force", "stiffness"),
     "load_position": ("/vehicle/rack_force", "position"),
+    "left_valve_opening": ("/valve/left/command", "solenoid_force"),
+    "right_valve_opening": ("/valve/right/command", "solenoid_force"),
+    "load_reference_force": ("/load_cylinder/command", "reference_force"),
+    "load_valve_opening": ("/load_cylinder/command", "valve_opening"),
 }
 """Topic and field of each signal. A signal of a new topic is a line here and one above."""
 

@@ -75,10 +75,10 @@ def main() -> int:
         settings = load_settings(arguments.emulator)
         given = _values(arguments.setting)
         link = open_link(arguments.link, table, path.parent, given, rig_end=True)
+        EmulatedRig(table, settings, link.sequence_bits).step([])  # compiles before the clock runs
     except BenchError as error:
         print(f"rig_emulator: {error}", file=sys.stderr)
         return 2
-    EmulatedRig(table, settings, link.sequence_bits).step([])  # compiles before the clock runs
     rig = EmulatedRig(table, settings, link.sequence_bits)
     # A collection of garbage would stop the rig for more periods than its watchdog allows.
     gc.collect()

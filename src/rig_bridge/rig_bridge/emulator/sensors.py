@@ -13,11 +13,12 @@ from steering_core.strict import Number, Strict, check_keys
 
 
 class Sensor(Strict):
-    """One sensor: reading = gain x value of ``delay`` ticks ago + offset + noise (SI)."""
+    """One sensor: reading = gain x value of ``delay`` ticks ago + offset + noise (SI), rounded."""
 
     gain: Number = 1.0
     offset: Number = 0.0
     noise: Number = Field(0.0, ge=0.0, description="standard deviation")
+    resolution: Number = Field(0.0, ge=0.0, description="of the converter; 0: the link's counts")
     delay: int = Field(0, ge=0, le=100, description="ticks")
 
 
@@ -35,8 +36,15 @@ class Sensors:
         self.past.append(tuple(true))
         newest = len(self.past) - 1
         return tuple(
-            row.gain * self.past[max(newest - row.delay, 0)][index]
-            + row.offset
-            + row.noise * self.random.gauss(0.0, 1.0)
+            _rounded(
+                row.gain * self.past[max(newest - row.delay, 0)][index]
+                + row.offset
+                + row.noise * self.random.gauss(0.0, 1.0),
+                row.resolution,
+            )
             for index, row in enumerate(self.rows)
         )
+
+
+def _rounded(value: float, resolution: float) -> float:
+    return resolution * round(value / resolution) if resolution > 0.0 else value
