@@ -6,6 +6,7 @@ import pytest
 from rig_links import both_ends
 from rig_loop import HOLD, SETTINGS, Loop
 
+from rig_bridge.emulator.rig import WHEEL
 from rig_bridge.safety.faults import Kind
 from rig_bridge.safety.machine import State
 from rig_bridge.signals import MEASURED
@@ -61,7 +62,7 @@ def test_the_safe_state_lets_both_chambers_to_tank_and_leaves_the_wheel_free(loo
     assert abs(reply.measured["rack_force"]) < 50.0
     assert not loop.rig.watchdog.latched, "the bench made it safe, not the rig's watchdog"
     wheel = loop.rig.plant.out[0]
-    loop.rig.safe["driver_torque"] = 3.0  # a hand on the wheel
+    loop.rig.safe[WHEEL] = 3.0  # a hand on the wheel
     for _ in range(300):
         loop.tick(HOLD)
     assert loop.rig.plant.out[0] > wheel + 0.2
