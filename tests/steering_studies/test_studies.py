@@ -1,11 +1,17 @@
 """Studies beyond the source: answers that must hold, and the command that gives them."""
 
+from itertools import pairwise
+
+import numpy as np
 import pytest
 
 from steering_bringup.cli import main
 from steering_core.parameters import load_parameters
-from steering_studies.beyond import energy, heavy_vehicle
+from steering_studies.beyond import end_of_stroke, energy, heavy_vehicle, losses, sensorless
 from steering_studies.beyond.all_studies import STUDIES
+from steering_studies.beyond.loop import closed_loop
+from steering_studies.beyond.study import simulate
+from steering_studies.beyond.supply_unit import SupplyUnit
 from steering_studies.pages.study import study_page
 
 
@@ -37,3 +43,55 @@ def test_the_command_lists_its_questions_and_names_the_nearest(capsys):
     assert all(name in listed for name in STUDIES)
     assert main(["study", "enrgy"]) == 1
     assert "did you mean 'energy'" in capsys.readouterr().err
+
+
+def test_an_accumulator_gives_back_what_its_gas_says():
+    """By hand: p V^n is constant; one litre out of two, gas at 100 bar, n = 1.3."""
+    unit = SupplyUnit(flow=0.0, gas_volume=2e-3, precharge=1e7, pressure=2e7)
+    before = (2e7 + 1e5) * unit.gas(2e7) ** 1.3
+    for _ in range(1000):
+        unit.step(1e-4, 1e-3)
+    assert unit.gas(unit.pressure) == pytest.approx(unit.gas(2e7) + 1e-4, rel=1e-6)
+    assert (unit.pressure + 1e5) * unit.gas(unit.pressure) ** 1.3 == pytest.approx(before, rel=1e-6)
+
+
+def test_a_charging_valve_switches_with_hysteresis():
+    unit = SupplyUnit()
+    found = [unit.step(2e-5, 1e-3) for _ in range(60_000)]
+    assert 0.98 * unit.low < min(found)
+    assert max(found) < 1.02 * unit.high
+    switches = sum(a != b for (_, a), (_, b) in pairwise(unit.history))
+    assert 2 <= switches < 60
+
+
+def test_the_loop_by_hand_is_the_direct_runner_s():
+    document = {**losses.DRIVE, "duration": 1.0}
+    trace = simulate(document, {})
+    made = closed_loop(document, {})
+    np.testing.assert_array_equal(made.measured[:, :3], trace.torque)
+    np.testing.assert_array_equal(made.measured[:, 3:6], trace.pressure)
+    np.testing.assert_array_equal(made.driver, trace.driver[:, 0])
+
+
+def test_without_supply_the_wheel_can_still_be_turned():
+    """The regulation's limit is kept by the torsion bar alone; a loss on one side pulls."""
+    lost = closed_loop(losses.DRIVE, {}, **losses.LOSSES["supply"])
+    assert losses.effort(lost) < losses.LEGAL_EFFORT_N
+    late = lost.time > losses.LOST_AT_S + 1.0
+    assert np.max(np.abs(lost.load_pressure[late])) < 2e5
+    sound = closed_loop(losses.DRIVE, {})
+    assert losses.effort(lost) > 1.5 * losses.effort(sound)
+
+
+def test_without_pressure_sensors_the_valve_s_own_accuracy_is_left():
+    document = {**sensorless.CYCLES["parking"], "duration": 5.0}
+    blind = sensorless.without_sensors(document, {})
+    error = blind.load_pressure - (blind.references[:, 1] - blind.references[:, 0])
+    assert 0.2e5 < np.std(error) < 2e5
+
+
+def test_the_oil_spring_stiffens_towards_the_stroke_s_end():
+    """Equations: 764 rad/s in the middle, some 1600 at the very end of the stroke."""
+    calm, _ = end_of_stroke.ripple(530.0, 200.0, {})
+    rough, _ = end_of_stroke.ripple(530.0, 700.0, {})
+    assert calm < 0.1e5 < rough
