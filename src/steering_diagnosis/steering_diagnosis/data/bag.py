@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from steering_bringup.bags import Trace, read_bag
 from steering_core.errors import BenchError
 from steering_core.parameters import ParameterError, ParameterSet, load_parameters
 from steering_diagnosis.data.channels import CHANNELS, MEASURED, PRESSURE, TORQUE
+from steering_diagnosis.data.read import sha256
 from steering_diagnosis.data.record import Record
 from steering_plant.measured_boost_curve import boost_table
 
@@ -48,7 +48,7 @@ def record_from_bag(path: str | Path) -> Record:
         notes=tuple(notes),
         name=path.name,
         path=path,
-        sha256=_sha256(path),
+        sha256=sha256(path),
         vehicle_load=str(_scenario(trace.run).get("load", {}).get("kind", "")),
     )
 
@@ -110,13 +110,3 @@ def _nominal(run: Mapping[str, Any], path: Path) -> ParameterSet:
 def _boost_table(run: Mapping[str, Any]) -> np.ndarray | None:
     points = _scenario(run).get("boost_curve")
     return boost_table(points) if points else None
-
-
-def _sha256(path: Path) -> str:
-    files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file())
-    digest = hashlib.sha256()
-    for file in files:
-        with file.open("rb") as opened:
-            while block := opened.read(1 << 20):
-                digest.update(block)
-    return digest.hexdigest()

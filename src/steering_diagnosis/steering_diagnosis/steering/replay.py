@@ -65,10 +65,14 @@ class SteeringReplay:
 
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), SI; NaN where it is not judged."""
-        run = self.run(nuisances, effects)
-        errors = np.column_stack([p.residual(run) for p in self._predicted])
+        errors = self.errors(nuisances, effects)
         errors[~self.judged] = np.nan
         return errors
+
+    def errors(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
+        """Return measured minus predicted, (n, outputs), samples that do not count included."""
+        run = self.run(nuisances, effects)
+        return np.column_stack([p.residual(run) for p in self._predicted])
 
     def states(self) -> Mapping[str, np.ndarray]:
         """Return what a free-form term may depend on, name [unit] to (n,), nominal model."""

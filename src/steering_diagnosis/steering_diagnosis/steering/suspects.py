@@ -126,7 +126,15 @@ def _hypothesis(effect: Effect, valve_system: str, nuisance_names: set[str]) -> 
         summary=effect.summary,
         balance=effect.balance,
         parameters=tuple(
-            HypothesisParameter(name, p.unit, p.neutral, p.low, p.high, p.typical, p.shape)
+            HypothesisParameter(
+                name,
+                p.unit,
+                float(p.neutral),
+                float(p.low),
+                float(p.high),
+                float(p.typical),
+                p.shape,
+            )
             for name, p in effect.acting(valve_system).items()
         ),
         competes=tuple(dict.fromkeys(name for name in competing if name in nuisance_names)),

@@ -1,0 +1,158 @@
+"""The diagnosis of a record: suspicions, replay, inference, report and its evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+
+import numpy as np
+
+from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.engine.diagnose import diagnose
+from steering_diagnosis.engine.findings import Findings
+from steering_diagnosis.engine.model import Effects
+from steering_diagnosis.engine.reporting import to_report
+from steering_diagnosis.engine.settings import Settings
+from steering_diagnosis.report import Diagnosis, Overlay, Report, Source, Verdict
+from steering_diagnosis.steering.balance_errors import Balances
+from steering_diagnosis.steering.extension import extension
+from steering_diagnosis.steering.replay import SteeringReplay
+from steering_diagnosis.steering.smoothing import bridged, spectrum
+from steering_diagnosis.steering.suspicions import Suspicion, suspicions, without
+
+Progress = Callable[[float, str], None]
+
+ESSENTIAL = "steering_wheel_angle"
+LEAST_ANGLE = 5e-3
+"""Motion of the wheel [rad, standard deviation] below which nothing is excited."""
+
+INFERENCE = 0.9
+"""Share of the time that the inference takes."""
+
+
+def diagnose_record(
+    record: Record,
+    holdout: Record | None = None,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    settings: Settings | None = None,
+) -> Diagnosis:
+    """Diagnose a record; without ``holdout`` blocks spread over the record are held out.
+
+    executor: where replays run (concurrent.futures.Executor, Dask's client has one); None: here.
+    progress: called with the share done and what is being done. BenchError: the record cannot be
+    replayed, or is too short.
+    """
+    tell = progress or (lambda share, what: None)
+    tell(0.0, "looking at the record")
+    found = suspicions(record)
+    refusal = _refusal(record, found)
+    if refusal is not None:
+        return Diagnosis(_report_without(record, holdout, found, *refusal), record.time)
+    replay = SteeringReplay(without(record, found))
+    other = None if holdout is None else SteeringReplay(without(holdout, suspicions(holdout)))
+    findings = diagnose(
+        replay,
+        other,
+        executor=executor,
+        progress=lambda share, what: tell(INFERENCE * share, what),
+        settings=settings,
+    )
+    tell(INFERENCE, "balances")
+    report = to_report(
+        findings,
+        _source(record),
+        software(),
+        None if holdout is None else _source(holdout),
+        {u.hypothesis: u.why for u in replay.undecidable},
+        [s.text for s in found],
+        [*record.notes, *_left_out(found)],
+    )
+    made = Diagnosis(
+        report=report,
+        time=record.time,
+        overlays=overlays(replay, findings),
+        balances=Balances(replay).errors(findings.nuisances, findings.effects, findings.refitted),
+        held_out=_held_out(findings, len(record)),
+        extension=_extension(replay, findings),
+        free_form={} if findings.free_form is None else asdict(findings.free_form),
+    )
+    tell(1.0, "done")
+    return made
+
+
+def overlays(replay: SteeringReplay, findings: Findings) -> dict[str, Overlay]:
+    """Return measured and predicted curves of every output, (n,) on the record's grid."""
+    models: tuple[tuple[Mapping[str, float], Effects], ...] = (
+        ({}, {}),
+        (findings.refitted, {}),
+        (findings.nuisances, findings.effects),
+    )
+    errors = [replay.errors(nuisances, effects) for nuisances, effects in models]
+    found = {}
+    for column, output in enumerate(replay.outputs):
+        measured = replay.record[output.name]
+        nominal, refitted, extended = (measured - error[:, column] for error in errors)
+        found[output.name] = Overlay(output.unit, measured, nominal, refitted, extended)
+    return found
+
+
+def software() -> str:
+    """Return the version of this software."""
+    try:
+        return version("steering_diagnosis")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def _refusal(record: Record, found: list[Suspicion]) -> tuple[Verdict, str] | None:
+    """Return verdict and sentence where a record must not be judged."""
+    suspected = [s for s in found if ESSENTIAL in s.channels]
+    if suspected:
+        return "unexplained", f"Not judged: {suspected[0].text}. It drives the replay; put it right"
+    if ESSENTIAL in record:
+        angle = bridged(record[ESSENTIAL])
+        if len(angle) > 200 and np.std(angle) < max(LEAST_ANGLE, 3.0 * spectrum(angle).noise):
+            still = f"The wheel hardly moves ({np.std(angle):.2g} rad)"
+            return "insufficient_excitation", f"{still}: record a manoeuvre, such as weave"
+    return None
+
+
+def _report_without(
+    record: Record, holdout: Record | None, found: list[Suspicion], verdict: Verdict, sentence: str
+) -> Report:
+    return Report(
+        schema=1,
+        bag=_source(record),
+        holdout=None if holdout is None else _source(holdout),
+        software=software(),
+        verdict=verdict,
+        sentence=f"{sentence.rstrip('.')}.",
+        suspicions=[s.text for s in found],
+        notes=list(record.notes),
+    )
+
+
+def _left_out(found: list[Suspicion]) -> list[str]:
+    gone = sorted({channel for s in found for channel in s.channels})
+    return [f"left out, because suspected: {', '.join(gone)}"] if gone else []
+
+
+def _extension(replay: SteeringReplay, findings: Findings) -> dict[str, object]:
+    if not findings.causes:
+        return {}
+    return extension(findings.effects, findings.nuisances, replay.nuisances)
+
+
+def _held_out(findings: Findings, samples: int) -> np.ndarray:
+    """Return which samples of the record were held out, (n,) bool."""
+    held = findings.held_out_samples
+    at = (np.arange(samples) * PERIOD_S / findings.step_s).astype(int)
+    return held[np.minimum(at, len(held) - 1)]
+
+
+def _source(record: Record) -> Source:
+    return Source(path=str(record.path or record.name), sha256=record.sha256)
