@@ -8,7 +8,7 @@ import pytest
 from bench_records import NOISE, bench_record
 
 from steering_core.errors import BenchError
-from steering_diagnosis.steering.replay import UNSETTLED, SteeringReplay
+from steering_diagnosis.steering.replay import SteeringReplay
 
 SYSTEMS = ("open_centre", "closed_centre")
 INTEGRATION_ERROR = {
@@ -36,7 +36,7 @@ def noisy(system):
 
 
 def by_output(replay, residuals):
-    return {o.name: residuals[UNSETTLED:, i] for i, o in enumerate(replay.outputs)}
+    return {o.name: residuals[replay.judged, i] for i, o in enumerate(replay.outputs)}
 
 
 def test_it_reproduces_the_bench_within_the_integration_error(system):

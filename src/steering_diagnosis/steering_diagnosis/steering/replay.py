@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping
+from uuid import uuid4
 
 import numpy as np
 
@@ -17,6 +19,12 @@ from steering_diagnosis.steering.simulation import Simulation
 UNSETTLED = 300
 """Samples at the beginning that are not judged: hidden states are only guessed there."""
 
+CUT_OFF = 100
+"""Samples at the end that are not judged: smooth inputs have no future there."""
+
+KEPT = 4
+"""Replays that a process remembers."""
+
 
 class SteeringReplay:
     """The nominal plant driven by a record's inputs; implements engine.model.Replay.
@@ -29,6 +37,7 @@ class SteeringReplay:
 
     def __init__(self, record: Record) -> None:
         self.record = record
+        self._key = uuid4().hex
         self.drive = Drive(record)
         self.simulation = Simulation(self.drive)
         self._predicted = outputs_of(self.drive)
@@ -40,15 +49,13 @@ class SteeringReplay:
         )
         self.judged = np.ones(len(record), dtype=bool)
         self.judged[:UNSETTLED] = False
+        self.judged[-CUT_OFF:] = False
         if record.excluded is not None:
             self.judged &= ~record.excluded
 
-    def __getstate__(self) -> dict[str, object]:
-        return {name: value for name, value in self.__dict__.items() if name != "_predicted"}
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        self.__dict__.update(state)
-        self._predicted = outputs_of(self.drive)
+    def __reduce__(self) -> tuple[object, ...]:
+        """Travel as the record alone; a process that has met this replay goes on with its own."""
+        return _met, (self._key, self.record)
 
     def run(self, nuisances: Mapping[str, float], effects: Effects) -> Run:
         """Return the simulation with the absolute ``nuisances`` and the ``effects`` that are on.
@@ -92,3 +99,16 @@ def bind(record: Record) -> BoundModel:
     """Return the replay of a record with what the report must say of it."""
     replay = SteeringReplay(record)
     return BoundModel(replay, replay.undecidable, record.notes)
+
+
+_REPLAYS: OrderedDict[str, SteeringReplay] = OrderedDict()
+
+
+def _met(key: str, record: Record) -> SteeringReplay:
+    """Return this process's replay of a record that came from another process."""
+    if key not in _REPLAYS:
+        _REPLAYS[key] = SteeringReplay(record)
+        _REPLAYS[key]._key = key
+        if len(_REPLAYS) > KEPT:
+            _REPLAYS.popitem(last=False)
+    return _REPLAYS[key]

@@ -42,12 +42,16 @@ Signals = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Relation:
-    """``name`` should equal ``of`` but for friction, noise and an offset. needs: other channels."""
+    """``name`` should equal ``of`` but for friction, noise and an offset.
+
+    needs: other channels. judged: whether a wrong factor may belong to these instead.
+    """
 
     name: str
     needs: tuple[str, ...]
     of: Callable[[Signals, ParameterSet], np.ndarray]
     systems: tuple[str, ...] = ("open_centre", "closed_centre", "servo_valve")
+    judged: bool = True
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,7 @@ RELATIONS = (
         ("rack_speed",),
         lambda s, p: p["mechanics.gear_ratio"] * s["rack_speed"],
     ),
-    Relation("rack_force", ("torsion_bar_torque", *CHAMBERS), _pushed),
+    Relation("rack_force", ("torsion_bar_torque", *CHAMBERS), _pushed, judged=False),
     Relation("driver_torque", ("torsion_bar_torque",), lambda s, p: s["torsion_bar_torque"]),
     Relation("rack_force", ("load_force",), lambda s, p: s["load_force"]),
     Relation(
@@ -122,7 +126,7 @@ def suspicions(record: Record) -> list[Suspicion]:
     swapped = _swapped(record, signals)
     if swapped is not None:
         found.append(swapped)
-        signals = {name: values for name, values in signals.items() if name not in CHAMBERS}
+        signals = {n: values for n, values in signals.items() if n not in swapped.channels}
     return found + _wrong_factors(record, signals) + _clipped(record)
 
 
@@ -162,16 +166,23 @@ def _moves(values: np.ndarray) -> bool:
 
 
 def _swapped(record: Record, signals: Signals) -> Suspicion | None:
-    """Find left and right pressure in each other's place."""
+    """Find left and right pressure in each other's place, or a torque of the wrong sign."""
     if not {*CHAMBERS, "torsion_bar_torque"} <= set(signals):
         return None
     by_torque = correlation(_load_pressure(signals), signals["torsion_bar_torque"])
     if by_torque > -ALIKE:
         return None
-    if "driver_torque" in signals:
-        torque_is_right = correlation(signals["driver_torque"], signals["torsion_bar_torque"])
-        if torque_is_right < 0.0:
-            return None
+    torque = signals["torsion_bar_torque"]
+    if "driver_torque" in signals and correlation(signals["driver_torque"], torque) < 0.0:
+        return None
+    if "rack_force" in signals:
+        by_force = correlation(_load_pressure(signals), signals["rack_force"])
+        if by_force > ALIKE:
+            return Suspicion(
+                "torsion_bar_torque seems to have the wrong sign: the load pressure goes against "
+                f"it (correlation {by_torque:.2f}) and with the rack force ({by_force:.2f})",
+                ("torsion_bar_torque",),
+            )
     return Suspicion(
         "left_pressure and right_pressure seem to be swapped: the load pressure goes against the "
         f"torsion-bar torque (correlation {by_torque:.2f})",
@@ -188,7 +199,7 @@ def _wrong_factors(record: Record, signals: Signals) -> list[Suspicion]:
             continue
         expected = relation.of(signals, record.nominal)
         factor, text = _factor(signals[relation.name], expected, relation)
-        for member in members:
+        for member in members if relation.judged else members[:1]:
             share = factor if member == relation.name or factor is None else 1.0 / factor
             votes.setdefault(member, []).append((share, text))
     suspected = []
