@@ -10,7 +10,7 @@ messages = pytest.importorskip("steering_msgs.msg")
 pytestmark = pytest.mark.ros
 KINDS = (
     "SteeringTorque", "ChamberPressure", "RackState", "DriverTorque", "ValveCommand", "RackForce",
-    "PlantTruth", "TickReport", "TorqueOverlay", "TorqueOverlayApplied",
+    "PlantTruth", "TickReport", "TorqueOverlay", "TorqueOverlayApplied", "LoadCommand",
 )  # fmt: skip
 
 

@@ -46,6 +46,17 @@ def test_graph_and_direct_runner_leave_the_same_bytes(way, direct, tmp_path):
         assert_same(direct / name, graph / name)
 
 
+def test_the_servo_rig_is_the_same_on_both_runners(tmp_path):
+    """Controllers of another kind, the load cylinder's chain of commands, and a delay on it."""
+    late = ("--delay", "/load_cylinder/command->plant=1")
+    words = ("servo_on_centre", "--duration", "1", *late)
+    (tmp_path / "graph").mkdir()
+    (tmp_path / "direct").mkdir()
+    graph = run(tmp_path / "graph", *words) / "servo_rig"
+    other = run(tmp_path / "direct", *words, "--direct") / "servo_rig"
+    assert_same(graph, other, 1000)
+
+
 def test_a_loaded_machine_changes_nothing(direct, tmp_path):
     load = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(3)]
     try:

@@ -27,7 +27,8 @@ def load_force() -> Row:
             Number("deviation elsewhere", "N", None, made.error_between, "force"),
         ],
         [Figure("Force control of the load cylinder", [[axes]])],
-        words="The force follows, and deviates where the rack turns round, as the source says.",
+        words="The force follows. It deviates most where the piston moves fastest, not where it "
+        "turns round: friction that builds up over 0.1 mm is followed.",
     )
 
 
