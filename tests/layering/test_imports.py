@@ -154,3 +154,10 @@ def test_an_import_is_seen(line, name, tmp_path, monkeypatch):
     imports.cache_clear()
     assert imports("made_up") == {name}
     imports.cache_clear()
+
+
+def test_the_benchmark_s_truth_shares_no_code_with_the_plant():
+    truth = [m for m in MODULES if m.startswith("steering_diagnosis.benchmark.truth")]
+    assert truth
+    for module in truth:
+        assert not {n for n in imports(module) if top(n) in ("steering_plant", "rig_bridge")}
