@@ -15,7 +15,7 @@ from pressure_control.load_loop import largest_load_gain
 from pressure_control.servo_controller import ServoValveController
 from rig_bridge.emulator.hand import Hand
 from rig_bridge.emulator.rig import EmulatedRig
-from rig_bridge.emulator.settings import EmulatorSettings, load_settings
+from rig_bridge.emulator.settings import load_settings
 from rig_bridge.rig_file import load_rig
 from rig_bridge.safety.machine import State
 from rig_bridge.transport.packets import Demand, Order
@@ -186,12 +186,14 @@ def test_effects_make_another_rig():
     assert not np.array_equal(plain, other)
 
 
-def test_open_centre_is_a_setting():
-    rig = servo_rig()
-    document = {"valve_system": "open_centre", "load_cylinder": True}
-    settings = EmulatorSettings.model_validate(document)
+def test_the_original_open_centre_valve_is_a_rig_of_its_own():
+    """Shipped with its own files: pump pressure shared by both chambers, and no valve commands."""
+    rig = load_rig(EMULATED.with_name("open_centre_rig.yaml"))
+    settings = load_settings(EMULATED.with_name("emulator_open_centre.yaml"))
     emulated = EmulatedRig(rig, settings, 32)
+    assert rig.commanded == ("driver_torque", "load_reference_force", "load_valve_opening")
     assert 4e5 < emulated.plant.out[3] < 6e5
+    assert abs(emulated.plant.out[8]) < 50.0
     emulated.step([])
 
 
