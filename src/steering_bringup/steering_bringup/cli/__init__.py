@@ -30,6 +30,7 @@ COMMANDS = {
     "design-valve": "step time against solenoid force: Pareto fronts of the valve's design",
     "study": "questions beyond the source: energy, heavy vehicle, ...; each on one page",
     "reproduce": "every figure of the source, with its numbers beside ours",
+    "diagnose": "what the simulation gets wrong on a record, the cause, the extended model",
     "plan": "the experiment that separates what a diagnosis could not",
     "bench": "measure speed and accuracy against the targets",
 }
@@ -42,6 +43,7 @@ PACKAGES: dict[str, str] = {
     "design-valve": "steering_studies",
     "study": "steering_studies",
     "reproduce": "steering_studies",
+    "diagnose": "steering_diagnosis",
     "plan": "steering_diagnosis",
 }
 """Packages above this one whose ``cli`` folder holds the command's module; others are here."""

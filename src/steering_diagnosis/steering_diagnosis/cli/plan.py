@@ -27,8 +27,8 @@ def execute(options: argparse.Namespace) -> int:
 
     from steering_core.errors import BenchError
     from steering_diagnosis.planning.plan import plan
-    from steering_diagnosis.running import Steps, pool
     from steering_diagnosis.writing import read_report
+    from steering_studies.parallel import Steps, pool
 
     report = read_report(options.report)
     if options.out.exists():

@@ -148,7 +148,8 @@ def _reach(problem: Problem, t: Template) -> tuple[np.ndarray, np.ndarray]:
     """Return the bounds of a template's coordinates."""
     low, high = bounds(problem.book.hypotheses[t.hypothesis])
     free = list(t.free)
-    a, b = (low - t.start)[free] / t.unit, (high - t.start)[free] / t.unit
+    unit = np.where(t.unit == 0.0, 1.0, t.unit)
+    a, b = (low - t.start)[free] / unit, (high - t.start)[free] / unit
     return np.minimum(a, b) - 1e-9, np.maximum(a, b) + 1e-9
 
 

@@ -1,0 +1,58 @@
+"""``steer diagnose``: what the simulation gets wrong on a record, and why."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+EXAMPLES = """examples:
+  steer diagnose results/on_centre-1/open_centre
+  steer diagnose rig/monday --holdout rig/tuesday --out results/monday
+  steer diagnose drive.mf4 --mapping drive.yaml --from 12 --to 52
+
+The data are a bag of the bench or of the rig bridge, or a CSV, MATLAB or MDF4 file with a mapping
+file. Written are report.html, report.json, and extension.yaml for 'steer run --set-file'."""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    add = parser.add_argument
+    add("data", metavar="DATA", type=Path, help="bag, or file with --mapping")
+    add("--holdout", metavar="DATA", type=Path, help="a manoeuvre that takes no part in the fit")
+    add("--mapping", metavar="FILE", type=Path, help="what the channels of a foreign file are")
+    add("--from", metavar="S", type=float, dest="start", help="s from the record's beginning")
+    add("--to", metavar="S", type=float, dest="stop", help="s from the record's beginning")
+    add("--out", metavar="DIR", type=Path, help="folder (default: results/diagnosis-1, -2, ...)")
+    add(
+        "--jobs",
+        metavar="N",
+        type=int,
+        default=os.cpu_count() or 1,
+        help="processes (default: all)",
+    )
+    add("--json", metavar="FILE", type=Path, help="write report.json here as well")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Read, diagnose, write the report, tell the verdict."""
+    from steering_bringup.checks import free_folder
+    from steering_bringup.session import make_folder
+    from steering_diagnosis.data.cut import cut
+    from steering_diagnosis.data.read import read_record
+    from steering_diagnosis.running import run_diagnosis
+    from steering_diagnosis.writing import tell, write_all
+
+    record = cut(read_record(options.data, options.mapping), options.start, options.stop)
+    holdout = None
+    if options.holdout is not None:
+        holdout = cut(read_record(options.holdout, options.mapping), None, None)
+    folder = options.out or free_folder(Path("results"), "diagnosis")
+    make_folder(folder)
+    diagnosis = run_diagnosis(record, holdout, options.jobs)
+    files = write_all(diagnosis, folder)
+    if options.json:
+        options.json.parent.mkdir(parents=True, exist_ok=True)
+        options.json.write_text((folder / "report.json").read_text("utf-8"), encoding="utf-8")
+    print("\n".join(tell(diagnosis, files)))
+    return 0
