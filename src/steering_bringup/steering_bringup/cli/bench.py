@@ -16,9 +16,13 @@ from steering_core.naming import unknown
 EXAMPLES = """examples:
   steer bench
   steer bench graph_speed --json graph.json
+  steer bench diagnosis --cases 200 --records records --method engine
 
 A benchmark is a file benchmarks/NAME.py that takes --json FILE. It prints a table, writes its
 numbers to the file, and ends with status 0 where they were measured."""
+
+OF_DIAGNOSIS = ("cases", "kinds", "seed", "records", "method", "jobs", "calibrate", "page")
+"""Options that are handed on to the sealed benchmark of diagnosis, with --full."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,6 +37,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=Path("results/bench.json"),
         help="numbers of all of them (default: results/bench.json)",
     )
+    sealed = parser.add_argument_group("of the benchmark 'diagnosis' (docs/diagnosis_benchmark.md)")
+    add = sealed.add_argument
+    add("--cases", metavar="N", help="cases; 200 for the whole benchmark (default: 20)")
+    add("--full", action="store_true", help="200 cases, and 300 clean ones beside")
+    add("--kinds", metavar="KIND", nargs="+", help="clean, visible, invisible, pair, outside")
+    add("--seed", metavar="S", help="other records for another seed")
+    add(
+        "--records", metavar="DIR", help="keep bags, truths and results; a second run goes on there"
+    )
+    add("--method", metavar="MODULE:FUNCTION", help="bag to report; or engine, baseline")
+    add("--jobs", metavar="N", help="processes (default: 2)")
+    add("--calibrate", metavar="MODULE:FUNCTION", help="a statistic over N clean records instead")
+    add("--page", metavar="FILE", help="the HTML page (default: in --records)")
 
 
 def execute(options: argparse.Namespace) -> int:
@@ -44,6 +61,7 @@ def execute(options: argparse.Namespace) -> int:
     if options.list:
         print("\n".join(found))
         return 0
+    more = _of_diagnosis(options)
     chosen = {
         name: path for name, path in found.items() if not options.names or name in options.names
     }
@@ -51,7 +69,7 @@ def execute(options: argparse.Namespace) -> int:
     failed = []
     for name, path in chosen.items():
         print(f"== {name}", flush=True)
-        status, numbers = _measure(path)
+        status, numbers = _measure(path, more if name == "diagnosis" else [])
         report["benchmarks"][name] = numbers
         failed += [name] if status else []
     options.json.parent.mkdir(parents=True, exist_ok=True)
@@ -71,10 +89,21 @@ def benchmarks() -> dict[str, Path]:
     return {p.stem: p for p in sorted(folder.glob("*.py")) if not p.stem.startswith("_")}
 
 
-def _measure(path: Path) -> tuple[int, Any]:
+def _of_diagnosis(options: argparse.Namespace) -> list[str]:
+    """Return what is handed on to the benchmark of diagnosis; BenchError where it does not run."""
+    given = {name: getattr(options, name) for name in OF_DIAGNOSIS if getattr(options, name)}
+    more = [] if not options.full else ["--full"]
+    for name, value in given.items():
+        more += [f"--{name}", *(value if isinstance(value, list) else [value])]
+    if more and "diagnosis" not in options.names:
+        raise BenchError(f"{more[0]} belongs to the benchmark 'diagnosis': steer bench diagnosis")
+    return more
+
+
+def _measure(path: Path, more: list[str]) -> tuple[int, Any]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "numbers.json")
-        status = subprocess.call([sys.executable, str(path), "--json", str(file)])
+        status = subprocess.call([sys.executable, str(path), "--json", str(file), *more])
         numbers = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else None
     return status, numbers
 

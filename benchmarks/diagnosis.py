@@ -1,0 +1,141 @@
+"""The sealed benchmark of diagnosis: hidden effects, rates against their targets.
+
+A case is a bag with one hidden effect, two, none, one too small to be seen, or something that the
+catalogue does not have; docs/diagnosis_benchmark.md says how they are made and judged.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from steering_core.errors import BenchError
+from steering_core.naming import unknown
+from steering_diagnosis.benchmark.cases import KINDS
+from steering_diagnosis.benchmark.methods import NAMED
+from steering_diagnosis.benchmark.page import benchmark_page, rate_row
+from steering_diagnosis.benchmark.runner import Job, calibrate, plan, run_jobs
+from steering_diagnosis.benchmark.scoring import Judgement, confusion, rates
+from steering_diagnosis.running import Steps, pool
+
+SAMPLE, FULL, FULL_CLEAN = 20, 200, 300
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the options."""
+    made = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = made.add_argument
+    add("--cases", type=int, default=SAMPLE, metavar="N", help=f"cases (default: {SAMPLE})")
+    add("--full", action="store_true", help=f"{FULL} cases, and {FULL_CLEAN} clean ones beside")
+    add("--kinds", nargs="+", default=list(KINDS), metavar="KIND", help=f"of {', '.join(KINDS)}")
+    add("--seed", type=int, default=0, metavar="S", help="other records for another seed")
+    add("--records", type=Path, metavar="DIR", help="keep bags, truths and results; goes on there")
+    add("--method", default="engine", help=f"{', '.join(NAMED)} or MODULE:FUNCTION (bag to report)")
+    add("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
+    add("--calibrate", metavar="MODULE:FUNCTION", help="distribution of a statistic (bag to number)"
+        " over N clean records of seeds that no benchmark uses")  # fmt: skip
+    add("--json", type=Path, metavar="FILE", help="write the numbers here too")
+    add(
+        "--page", type=Path, metavar="FILE", help="write the HTML page here (default: in --records)"
+    )
+    return made
+
+
+def main() -> int:
+    """Run, print, write."""
+    asked = parser().parse_args()
+    try:
+        for kind in asked.kinds:
+            if kind not in KINDS:
+                raise BenchError(unknown("kind of case", kind, KINDS))
+        if asked.cases < 1:
+            raise BenchError(f"--cases must be at least 1, got {asked.cases}")
+        if asked.records is not None:
+            return _run(asked, asked.records)
+        with tempfile.TemporaryDirectory() as folder:
+            return _run(asked, Path(folder))
+    except BenchError as error:
+        print(f"diagnosis: {error}", file=sys.stderr)
+        return 1
+
+
+def _run(asked: argparse.Namespace, folder: Path) -> int:
+    if asked.calibrate:
+        return _calibrate(asked, folder)
+    jobs = plan(FULL if asked.full else asked.cases, asked.seed, asked.kinds)
+    if asked.full and "clean" in asked.kinds:
+        clean = [Job("clean", asked.seed * 10_000 + i) for i in range(FULL_CLEAN)]
+        jobs = [job for job in jobs if job.kind != "clean"] + clean
+    with Steps("diagnosis") as bar, pool(asked.jobs) as executor:
+        count = 0
+
+        def done(judgement: Judgement) -> None:
+            nonlocal count
+            count += 1
+            bar(count / len(jobs), f"{count} of {len(jobs)}: {judgement.case}")
+
+        judgements = run_jobs(jobs, asked.method, folder, executor, done)
+    numbers = report(asked.method, judgements)
+    for line in rates(judgements):
+        what, value, interval, counted, target = rate_row(line)
+        print(f"{what:48}{value:>8}  [{interval:13}] of {counted:>3}   target {target}")
+    failures = [j for j in judgements if j.failure]
+    for j in failures[:5]:
+        print(f"{j.case}: the method failed: {j.failure}")
+    page = asked.page or (asked.records / "benchmark.html" if asked.records else None)
+    if page is not None:
+        benchmark_page(asked.method, rates(judgements), confusion(judgements), judgements).write(
+            page
+        )
+        print(f"page: {page}")
+    _write(asked.json, numbers)
+    return 1 if len(failures) == len(judgements) else 0
+
+
+def report(method: str, judgements: list[Judgement]) -> dict[str, Any]:
+    """Return everything as plain data."""
+    found = rates(judgements)
+    return {
+        "method": method,
+        "cases": len(judgements),
+        "rates": [asdict(rate) | {"reached": rate.reached} for rate in found],
+        "confusion": confusion(judgements),
+        "judgements": [judgement.as_json() for judgement in judgements],
+    }
+
+
+def _calibrate(asked: argparse.Namespace, folder: Path) -> int:
+    import numpy as np
+
+    with Steps("calibrating") as bar, pool(asked.jobs) as executor:
+        count = 0
+
+        def done() -> None:
+            nonlocal count
+            count += 1
+            bar(count / asked.cases, f"{count} of {asked.cases}")
+
+        values = calibrate(asked.cases, asked.calibrate, folder, executor, done)
+    levels = (0.5, 0.9, 0.95, 0.99, 0.997, 1.0)
+    quantiles = {str(level): float(np.quantile(values, level)) for level in levels}
+    for level, value in quantiles.items():
+        print(f"quantile {level:>6}: {value:.6g}")
+    _write(
+        asked.json, {"statistic": asked.calibrate, "values": sorted(values), "quantiles": quantiles}
+    )
+    return 0
+
+
+def _write(file: Path | None, numbers: dict[str, Any]) -> None:
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(numbers, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
