@@ -37,6 +37,12 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         best, notes = null, (f"{dropped}: {', '.join(sorted(best.names))}",)
         remains = _remains(search, best, block)
         left = structures(remains)
+    seen = [n for n in sorted(best.names) if _stands_out(search, best, n, noise)]
+    for name in sorted(best.names - set(seen)):
+        notes = (*notes, f"{name} was left out: no output's error stands above its noise")
+        best = search.without(best, name)
+        remains = _remains(search, best, block)
+        left = structures(remains)
     evidence = {n: search.weigh(search.without(best, n), best) for n in sorted(best.names)}
     rivals = {n: _rivals(search, best, n, block) for n in sorted(best.names)}
     causes = _causes(search, best, evidence, rivals, block, noise)
@@ -81,6 +87,14 @@ def _samples_out(search: Search, samples: int) -> np.ndarray:
     if search.held.runs is not None:
         return np.zeros(samples, bool)
     return np.asarray(search.held.rows.any(axis=1))
+
+
+def _stands_out(search: Search, best: Fit, name: str, noise: np.ndarray) -> bool:
+    """Return whether a cause's part of the error stands above the noise of any held-out output."""
+    held, problem = search.held, search.problem
+    before = held.energy(held.residual(problem, search.without(best, name)))
+    after = held.energy(held.residual(problem, best))
+    return bool(np.any(before - after > problem.settings.least_visible * noise))
 
 
 def noise_energy(remains: Remains, left: list[Structure]) -> np.ndarray:

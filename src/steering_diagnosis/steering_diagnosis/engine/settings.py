@@ -38,6 +38,8 @@ class Settings:
     # Decision
     family_p: float = 1e-3
     """Probability of a false name on a clean record, over the whole catalogue."""
+    least_visible: float = 0.1
+    """Energy that a cause takes off one held-out output at least, over that output's noise."""
     least_share: float = 0.10
     """Of the error energy above the noise that a cause has to remove on held-out blocks."""
     least_share_next: float = 0.35
