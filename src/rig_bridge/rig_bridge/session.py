@@ -9,10 +9,10 @@ from typing import Any, Literal
 from rig_bridge.bridge import Bridge
 from rig_bridge.rig_file import RigFile
 from rig_bridge.safety.machine import State
-from rig_bridge.signals import PLACES
 from rig_bridge.transport.link import Link
 from steering_core.errors import BenchError
 from steering_lockstep.outside import Status
+from steering_lockstep.signals import PLACES
 
 ANSWER_NS = 950_000
 """Commands are waited for so long after a measurement; the next one comes after 1 ms."""

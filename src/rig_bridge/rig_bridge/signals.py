@@ -1,4 +1,7 @@
-"""What the bench exchanges with a rig: the plant's measurements and commands, by name and unit."""
+"""What the bench exchanges with a rig: the plant's measurements and commands, by name and unit.
+
+Their topics and fields are steering_lockstep.signals; a signal of a new topic is a line there too.
+"""
 
 MEASURED = {
     "steering_wheel_angle": "rad",
@@ -34,31 +37,6 @@ reference pressures in place of solenoid forces, one with servo valves takes ope
 the spools' stroke. With a load cylinder the load is its valve's opening; the references go along
 so that command and measurement can be watched.
 """
-
-PLACES = {
-    "steering_wheel_angle": ("/steering/torque", "steering_wheel_angle"),
-    "steering_wheel_speed": ("/steering/torque", "steering_wheel_speed"),
-    "torsion_bar_torque": ("/steering/torque", "torsion_bar_torque"),
-    "left_pressure": ("/steering/pressure", "left"),
-    "right_pressure": ("/steering/pressure", "right"),
-    "supply_pressure": ("/steering/pressure", "supply"),
-    "rack_position": ("/steering/rack", "position"),
-    "rack_speed": ("/steering/rack", "speed"),
-    "rack_force": ("/steering/rack", "force"),
-    "driver_torque": ("/driver/torque", "torque"),
-    "left_reference_pressure": ("/valve/left/command", "reference_pressure"),
-    "left_solenoid_force": ("/valve/left/command", "solenoid_force"),
-    "right_reference_pressure": ("/valve/right/command", "reference_pressure"),
-    "right_solenoid_force": ("/valve/right/command", "solenoid_force"),
-    "load_force": ("/vehicle/rack_force", "force"),
-    "load_stiffness": ("/vehicle/rack_force", "stiffness"),
-    "load_position": ("/vehicle/rack_force", "position"),
-    "left_valve_opening": ("/valve/left/command", "solenoid_force"),
-    "right_valve_opening": ("/valve/right/command", "solenoid_force"),
-    "load_reference_force": ("/load_cylinder/command", "reference_force"),
-    "load_valve_opening": ("/load_cylinder/command", "valve_opening"),
-}
-"""Topic and field of each signal. A signal of a new topic is a line here and one above."""
 
 UNITS = MEASURED | COMMANDED
 

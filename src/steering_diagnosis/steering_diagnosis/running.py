@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from steering_bringup.progress import Steps
 from steering_diagnosis.data.record import Record
 from steering_diagnosis.report import Diagnosis
-from steering_studies.parallel import Steps, pool
+from steering_studies.parallel import pool
 
 
 def run_diagnosis(record: Record, holdout: Record | None, jobs: int) -> Diagnosis:

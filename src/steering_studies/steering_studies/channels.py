@@ -10,24 +10,10 @@ from steering_bringup.bags import Trace
 from steering_bringup.direct.runner import DirectTrace
 from steering_bringup.errors import BenchError
 from steering_core.naming import unknown
+from steering_lockstep.signals import PLACES
 
 Channels = Mapping[str, np.ndarray]
 """Name to (n,) float64 at 1 kHz, SI, signs of docs/signs_and_units."""
-
-PLACES: dict[str, tuple[str, str]] = {
-    "steering_wheel_angle": ("/steering/torque", "steering_wheel_angle"),
-    "steering_wheel_speed": ("/steering/torque", "steering_wheel_speed"),
-    "torsion_bar_torque": ("/steering/torque", "torsion_bar_torque"),
-    "left_pressure": ("/steering/pressure", "left"),
-    "right_pressure": ("/steering/pressure", "right"),
-    "supply_pressure": ("/steering/pressure", "supply"),
-    "rack_position": ("/steering/rack", "position"),
-    "rack_speed": ("/steering/rack", "speed"),
-    "rack_force": ("/steering/rack", "force"),
-    "driver_torque": ("/driver/torque", "torque"),
-    "reference_angle": ("/driver/torque", "reference_angle"),
-}
-"""Channel to its topic and field."""
 
 DIRECT: dict[str, tuple[str, int]] = {
     "steering_wheel_angle": ("torque", 0),
@@ -48,9 +34,9 @@ DIRECT: dict[str, tuple[str, int]] = {
 def from_bag(trace: Trace) -> dict[str, np.ndarray]:
     """Return the channels that a bag holds, (n,) each; shorter ones decide n."""
     found = {
-        name: np.asarray(trace.column(topic, field), np.float64)
-        for name, (topic, field) in PLACES.items()
-        if topic in trace
+        name: np.asarray(trace.column(*PLACES[name]), np.float64)
+        for name in DIRECT
+        if PLACES[name][0] in trace
     }
     if not found:
         raise BenchError(f"'{trace.name}' holds no channel of the bench")

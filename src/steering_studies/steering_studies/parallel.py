@@ -1,45 +1,12 @@
-"""Processes and a progress bar for studies; any concurrent.futures executor can stand in."""
+"""Processes for studies; any concurrent.futures executor can stand in for their pool."""
 
 from __future__ import annotations
 
-import sys
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from multiprocessing import get_context
-from types import TracebackType
 
 from steering_core.errors import BenchError
-
-
-class Steps:
-    """Progress by the share done (0 to 1) and what is being done; nothing where no terminal is."""
-
-    def __init__(self, title: str) -> None:
-        self._bar = None
-        if sys.stdout.isatty() and sys.stderr.isatty():
-            from tqdm import tqdm
-
-            shown = "{desc} |{bar:30}| {percentage:3.0f} %{postfix}"
-            self._bar = tqdm(total=1.0, desc=title, bar_format=shown, leave=False)
-
-    def __call__(self, share: float, what: str = "") -> None:
-        """Show that ``share`` of the work is done."""
-        if self._bar is not None:
-            self._bar.set_postfix_str(what, False)
-            self._bar.n = min(share, 1.0)
-            self._bar.refresh()
-
-    def __enter__(self) -> Steps:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if self._bar is not None:
-            self._bar.close()
 
 
 def pool(jobs: int) -> AbstractContextManager[Executor | None]:

@@ -25,10 +25,11 @@ def execute(options: argparse.Namespace) -> int:
     """Choose the experiment, write it as a scenario, tell why."""
     import yaml
 
+    from steering_bringup.progress import Steps
     from steering_core.errors import BenchError
     from steering_diagnosis.planning.plan import plan
     from steering_diagnosis.writing import read_report
-    from steering_studies.parallel import Steps, pool
+    from steering_studies.parallel import pool
 
     report = read_report(options.report)
     if options.out.exists():

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from steering_lockstep.signals import PLACES
+
 
 @dataclass(frozen=True)
 class Channel:
@@ -21,30 +23,34 @@ class Channel:
 
 
 TORQUE, PRESSURE, RACK = "/steering/torque", "/steering/pressure", "/steering/rack"
-LEFT, RIGHT, LOAD = "/valve/left/command", "/valve/right/command", "/vehicle/rack_force"
+
+
+def _channel(name: str, unit: str, offset: float = 0.0, gain: float = 0.0) -> Channel:
+    return Channel(unit, *PLACES[name], offset, gain)
+
 
 MEASURED: dict[str, Channel] = {
-    "steering_wheel_angle": Channel("rad", TORQUE, "steering_wheel_angle", 2e-3, 2e-3),
-    "steering_wheel_speed": Channel("rad/s", TORQUE, "steering_wheel_speed", 0.0, 2e-3),
-    "torsion_bar_torque": Channel("N m", TORQUE, "torsion_bar_torque", 0.02, 5e-3),
-    "left_pressure": Channel("Pa", PRESSURE, "left", 2e4, 3e-3),
-    "right_pressure": Channel("Pa", PRESSURE, "right", 2e4, 3e-3),
-    "supply_pressure": Channel("Pa", PRESSURE, "supply", 2e4, 3e-3),
-    "rack_position": Channel("m", RACK, "position", 2e-5, 2e-3),
-    "rack_speed": Channel("m/s", RACK, "speed", 0.0, 2e-3),
-    "rack_force": Channel("N", RACK, "force", 10.0, 5e-3),
+    "steering_wheel_angle": _channel("steering_wheel_angle", "rad", 2e-3, 2e-3),
+    "steering_wheel_speed": _channel("steering_wheel_speed", "rad/s", 0.0, 2e-3),
+    "torsion_bar_torque": _channel("torsion_bar_torque", "N m", 0.02, 5e-3),
+    "left_pressure": _channel("left_pressure", "Pa", 2e4, 3e-3),
+    "right_pressure": _channel("right_pressure", "Pa", 2e4, 3e-3),
+    "supply_pressure": _channel("supply_pressure", "Pa", 2e4, 3e-3),
+    "rack_position": _channel("rack_position", "m", 2e-5, 2e-3),
+    "rack_speed": _channel("rack_speed", "m/s", 0.0, 2e-3),
+    "rack_force": _channel("rack_force", "N", 10.0, 5e-3),
 }
 """What sensors measure; order of the plant's sensors."""
 
 COMMANDED: dict[str, Channel] = {
-    "driver_torque": Channel("N m", "/driver/torque", "torque"),
-    "left_reference_pressure": Channel("Pa", LEFT, "reference_pressure"),
-    "left_solenoid_force": Channel("N", LEFT, "solenoid_force"),
-    "right_reference_pressure": Channel("Pa", RIGHT, "reference_pressure"),
-    "right_solenoid_force": Channel("N", RIGHT, "solenoid_force"),
-    "load_force": Channel("N", LOAD, "force"),
-    "load_stiffness": Channel("N/m", LOAD, "stiffness"),
-    "load_position": Channel("m", LOAD, "position"),
+    "driver_torque": _channel("driver_torque", "N m"),
+    "left_reference_pressure": _channel("left_reference_pressure", "Pa"),
+    "left_solenoid_force": _channel("left_solenoid_force", "N"),
+    "right_reference_pressure": _channel("right_reference_pressure", "Pa"),
+    "right_solenoid_force": _channel("right_solenoid_force", "N"),
+    "load_force": _channel("load_force", "N"),
+    "load_stiffness": _channel("load_stiffness", "N/m"),
+    "load_position": _channel("load_position", "m"),
 }
 """What was commanded; exact, where it was recorded at all."""
 

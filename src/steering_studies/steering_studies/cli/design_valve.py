@@ -30,9 +30,10 @@ def execute(options: argparse.Namespace) -> int:
     from pressure_control.valve_design.front import complex_front, distance_to, nsga_front
     from pressure_control.valve_design.problem import DesignProblem
     from steering_bringup.checks import free_folder
+    from steering_bringup.progress import Steps
     from steering_core.parameters import load_parameters
     from steering_studies.pages.valve_design import valve_design_page
-    from steering_studies.parallel import Steps, pool
+    from steering_studies.parallel import pool
     from steering_studies.settings import parameters_of
     from steering_studies.valve_design import behaviour, chosen_design, nominal_design
 

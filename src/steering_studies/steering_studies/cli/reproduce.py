@@ -27,8 +27,9 @@ def execute(options: argparse.Namespace) -> int:
     import json
 
     from steering_bringup.checks import free_folder
+    from steering_bringup.progress import Steps
     from steering_studies.pages.reproduce import reproduction_page
-    from steering_studies.parallel import Steps, pool
+    from steering_studies.parallel import pool
     from steering_studies.reproduce.all_rows import ROWS, make
 
     if options.list:
