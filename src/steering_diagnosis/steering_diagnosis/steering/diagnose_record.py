@@ -94,6 +94,8 @@ def overlays(replay: SteeringReplay, findings: Findings) -> dict[str, Overlay]:
     errors = [replay.errors(nuisances, effects) for nuisances, effects in models]
     found = {}
     for column, output in enumerate(replay.outputs):
+        if output.name not in replay.record:
+            continue
         measured = replay.record[output.name]
         nominal, refitted, extended = (measured - error[:, column] for error in errors)
         found[output.name] = Overlay(output.unit, measured, nominal, refitted, extended)

@@ -9,8 +9,8 @@ from uuid import uuid4
 import numpy as np
 
 from steering_diagnosis.data.record import PERIOD_S, Record
-from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis
-from steering_diagnosis.steering import suspects
+from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
+from steering_diagnosis.steering import ripple, suspects
 from steering_diagnosis.steering.drive import Drive
 from steering_diagnosis.steering.full_model import full_model
 from steering_diagnosis.steering.outputs import Run, acting, outputs_of
@@ -47,6 +47,7 @@ class SteeringReplay:
         self.hypotheses, self.undecidable = suspects.hypotheses(
             self.drive, self._predicted, self.nuisances
         )
+        self._look_for_ripple()
         self.judged = np.ones(len(record), dtype=bool)
         self.judged[:UNSETTLED] = False
         self.judged[-CUT_OFF:] = False
@@ -56,6 +57,31 @@ class SteeringReplay:
     def __reduce__(self) -> tuple[object, ...]:
         """Travel as the record alone; a process that has met this replay goes on with its own."""
         return _met, (self._key, self.record)
+
+    def _look_for_ripple(self) -> None:
+        """Begin the hypothesis of ripple at its line; leave it out where there is none."""
+        if ripple.EFFECT not in self.hypotheses:
+            return
+        line, settled = None, slice(UNSETTLED, len(self.record) - CUT_OFF)
+        if ripple.CHANNEL in self.record:
+            error = ripple.supply_error(self.run({}, {}))
+            line = ripple.find_line(error[settled])
+        kept = {n: h for n, h in self.hypotheses.items() if n != ripple.EFFECT}
+        if line is None:
+            why = "no line stands out of the supply pressure between 25 and 450 Hz"
+            self.undecidable = (*self.undecidable, Undecidable(ripple.EFFECT, why))
+            self.hypotheses = kept
+            return
+
+        def answer(amplitude: float, hz: float) -> np.ndarray:
+            given = {"amplitude": amplitude, "frequency": hz, "phase": 0.0}
+            return ripple.supply_error(self.run({}, {ripple.EFFECT: given}))
+
+        amplitude, phase = ripple.estimate(line, error, answer)
+        found = ripple.at_line(self.hypotheses[ripple.EFFECT], line, amplitude, phase)
+        self.hypotheses = kept | {ripple.EFFECT: found}
+        self._predicted = (*self._predicted, *ripple.shifted(line))
+        self.outputs = tuple(p.output for p in self._predicted)
 
     def run(self, nuisances: Mapping[str, float], effects: Effects) -> Run:
         """Return the simulation with the absolute ``nuisances`` and the ``effects`` that are on.

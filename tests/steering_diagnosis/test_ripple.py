@@ -1,0 +1,37 @@
+"""The pump's ripple: found by its line, above the engine's band too."""
+
+import numpy as np
+import pytest
+from bench_records import NOISE, bench_record
+
+from steering_diagnosis.steering.replay import SteeringReplay
+from steering_diagnosis.steering.ripple import EFFECT, find_line
+
+
+@pytest.mark.parametrize("hz", [45.0, 163.37])
+def test_a_line_is_found_and_explained(hz):
+    given = {"amplitude": 0.04, "frequency": hz, "phase": 1.1}
+    record = bench_record("open_centre", duration=8.0, effects={EFFECT: given}, noise=NOISE)
+    replay = SteeringReplay(record)
+    found = {p.name: p for p in replay.hypotheses[EFFECT].parameters}
+    assert found["frequency"].typical == pytest.approx(hz, abs=0.02)
+    assert found["amplitude"].typical == pytest.approx(0.04, rel=0.1)
+    assert found["phase"].typical == pytest.approx(1.1, abs=0.3)
+    shifted = [o.name for o in replay.outputs if "_hz_" in o.name]
+    assert len(shifted) == (2 if hz > 60.0 else 0)
+    with_it = replay.residuals({}, {EFFECT: given})
+    without = replay.residuals({}, {})
+    for j in range(len(replay.outputs) - len(shifted), len(replay.outputs)):
+        mean = abs(np.nanmean(without[:, j]))
+        assert abs(np.nanmean(with_it[:, j])) < max(0.1 * mean, 300.0)
+
+
+def test_a_clean_record_has_no_line():
+    replay = SteeringReplay(bench_record("open_centre", duration=8.0, noise=NOISE))
+    assert EFFECT not in replay.hypotheses
+    assert EFFECT in {u.hypothesis for u in replay.undecidable}
+
+
+def test_noise_has_no_line():
+    noise = np.random.default_rng(5).standard_normal((20, 12_000))
+    assert all(find_line(each) is None for each in noise)
