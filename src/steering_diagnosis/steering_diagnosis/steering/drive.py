@@ -17,11 +17,26 @@ from steering_core.parameters import ParameterSet
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.steering.load import COMMAND as LOAD_COMMAND
 from steering_diagnosis.steering.load import LoadCommand
-from steering_diagnosis.steering.smoothing import Curve, begins_moving, bridged, low_pass
+from steering_diagnosis.steering.smoothing import (
+    Curve,
+    begins_moving,
+    bridged,
+    integrated,
+    low_pass,
+    spectrum,
+)
 from steering_plant.model import states
 
 RUN_UP = 200
 """Ticks before the record in which hidden states settle."""
+
+BEYOND_HZ = 3.0
+"""Lowest cut-off for what a load cell measures beyond the load's command."""
+
+SLOW_HZ = 1.0
+"""Lowest cut-off for what a sensor measures beyond the integrated speed."""
+
+NYQUIST_HZ = 0.5 / PERIOD_S
 
 NEGLIGIBLE = {
     "steering_wheel_angle": 1e-7,
@@ -107,7 +122,8 @@ class Drive:
                 f"'{record.name}' has no steering_wheel_angle, which drives the replay: map it"
             )
         self.record = record
-        moving = begins_moving(record["steering_wheel_angle"])
+        self._moving = moving = begins_moving(record["steering_wheel_angle"])
+        self._cutoff_hz = cutoff_hz
         self.curves = {
             name: Curve(record[name], negligible, RUN_UP, moving, cutoff_hz)
             for name, negligible in NEGLIGIBLE.items()
@@ -128,6 +144,9 @@ class Drive:
             raise BenchError(
                 f"'{record.name}' has neither the valves' commands nor both chamber pressures"
             )
+        if cutoff_hz is None:
+            self._use_speed("steering_wheel_angle", "steering_wheel_speed")
+            self._use_speed("rack_position", "rack_speed")
         self.command = self._load_command()
         self._held = self._commands()
 
@@ -185,6 +204,26 @@ class Drive:
             rise[:-1] = force[1:] - held[:-1, states.LOAD_FORCE]
         return Driven(np.array(at), np.column_stack(given), np.column_stack(slopes), held, rise)
 
+    def _use_speed(self, position: str, speed: str) -> None:
+        """Take fast motion from the speed's channel, where that is the quieter one.
+
+        Where position and integrated speed disagree by more than noise, the position stays.
+        """
+        if not {position, speed} <= set(self.record.channels):
+            return
+        own = self.curves[position]
+        if not own.smoothed:
+            return
+        rate = bridged(self.record[speed])
+        known = spectrum(rate)
+        moved = integrated(rate, known)
+        beyond = bridged(self.record[position]) - moved
+        cutoff = spectrum(beyond, lowest_hz=SLOW_HZ).cutoff_hz
+        by_speed = known.noise / (2.0 * np.pi * np.sqrt(NYQUIST_HZ * cutoff))
+        by_position = own.spectrum.noise * np.sqrt(own.cutoff_hz / NYQUIST_HZ)
+        if by_speed < by_position and cutoff < 0.5 * own.cutoff_hz:
+            self.curves[position] = own.replaced(moved + low_pass(beyond, cutoff))
+
     def _load_command(self) -> LoadCommand | None:
         """Return the load's command where it is known, and how it jumps at the ticks."""
         known = {*LOAD_COMMAND, "rack_position"} <= set(self.record.channels)
@@ -193,9 +232,21 @@ class Drive:
             return None
         command = LoadCommand(self.record, self.curves["rack_position"].values[RUN_UP:])
         if self.load == "cell":
-            cutoff = self.curves["rack_force"].cutoff_hz
-            self._jump[RUN_UP:] = low_pass(command.jump, cutoff)
+            curve = self.curves["rack_force"]
+            self._jump[RUN_UP:] = low_pass(command.jump, curve.cutoff_hz)
+            if curve.smoothed and self._cutoff_hz is None:
+                self.curves["rack_force"] = self._quiet_force(command.measured)
         return command
+
+    def _quiet_force(self, expected: np.ndarray) -> Curve:
+        """Return the load cell's force with its noise taken out where the command explains it.
+
+        Only what the cell measures beyond the command is smooth and small: it is low-passed, deep
+        down where it holds nothing but noise.
+        """
+        beyond = bridged(self.record["rack_force"]) - expected
+        cutoff = spectrum(beyond, lowest_hz=BEYOND_HZ).cutoff_hz
+        return self.curves["rack_force"].replaced(expected + low_pass(beyond, cutoff))
 
     def _commands(self) -> np.ndarray:
         """Return the held inputs that are commands, (run-up + n, 7)."""

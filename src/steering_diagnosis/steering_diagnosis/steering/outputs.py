@@ -59,7 +59,11 @@ def driver_torque_error(run: Run) -> np.ndarray:
     if "torsion_bar_torque" in drive.curves:
         resisting += drive.felt_raw("torsion_bar_torque", run.parameters) - trace.torque
     acceleration = drive.felt("steering_wheel_angle", run.parameters, 2)[RUN_UP:]
-    return drive.as_smooth_as("steering_wheel_angle", given - resisting) - inertia * acceleration
+    if drive.curves["steering_wheel_angle"].low_passed:
+        return (
+            drive.as_smooth_as("steering_wheel_angle", given - resisting) - inertia * acceleration
+        )
+    return drive.as_smooth_as("steering_wheel_angle", given - resisting - inertia * acceleration)
 
 
 def rack_force_error(run: Run) -> np.ndarray:

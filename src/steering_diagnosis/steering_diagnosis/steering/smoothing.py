@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,8 +30,11 @@ class Spectrum:
     cutoff_hz: float
 
 
-def spectrum(values: np.ndarray) -> Spectrum:
-    """Return noise and cut-off of ``values``, (n,) without NaN, at the record's rate."""
+def spectrum(values: np.ndarray, lowest_hz: float = LOWEST_HZ) -> Spectrum:
+    """Return noise and cut-off of ``values``, (n,) without NaN, at the record's rate.
+
+    lowest_hz: least cut-off.
+    """
     segment = min(SEGMENT, len(values))
     hz, density = signal.welch(
         values, 1.0 / PERIOD_S, "hann", segment, detrend="linear", average="median"
@@ -39,7 +43,7 @@ def spectrum(values: np.ndarray) -> Spectrum:
     loud = np.flatnonzero((density > ABOVE_NOISE * floor) & (hz < NOISE_BAND_HZ))
     quiet = np.flatnonzero(np.diff(loud) > max(3, len(hz) // 100))
     last = loud[quiet[0]] if len(quiet) else (loud[-1] if len(loud) else 0)
-    cutoff = float(np.clip(1.5 * hz[last], LOWEST_HZ, HIGHEST_HZ))
+    cutoff = float(np.clip(1.5 * hz[last], lowest_hz, HIGHEST_HZ))
     return Spectrum(float(np.sqrt(floor * 0.5 / PERIOD_S)), cutoff)
 
 
@@ -49,6 +53,14 @@ def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:
     return np.asarray(
         signal.sosfiltfilt(sections, values, axis=0, padlen=min(300, len(values) - 1))
     )
+
+
+def integrated(values: np.ndarray, known: Spectrum) -> np.ndarray:
+    """Return the integral over time of a rate (n,), low-passed first where it is noisy."""
+    if known.noise > 1e-4 * np.std(values):
+        values = low_pass(values, known.cutoff_hz)
+    time = np.arange(len(values)) * PERIOD_S
+    return np.asarray(CubicSpline(time, values).antiderivative()(time))
 
 
 def bridged(values: np.ndarray) -> np.ndarray:
@@ -79,16 +91,29 @@ class Curve:
         cutoff_hz: float | None = None,
     ) -> None:
         values = bridged(np.asarray(values, dtype=np.float64))
+        self._before, self._moving = before, moving
         self.spectrum = spectrum(values)
         self.cutoff_hz = self.spectrum.cutoff_hz if cutoff_hz is None else cutoff_hz
         self.smoothed = cutoff_hz is not None or self.spectrum.noise > negligible
+        self.low_passed = self.smoothed
         if self.smoothed:
             values = low_pass(values, self.cutoff_hz)
-        led_in = 2.0 * values[0] - values[before:0:-1] if moving else np.full(before, values[0])
-        values = np.concatenate([led_in, values])
-        self.values = values
-        self._time = np.arange(len(values)) * PERIOD_S
-        self._spline = CubicSpline(self._time, values)
+        self._set(values)
+
+    def _set(self, values: np.ndarray) -> None:
+        before = self._before
+        mirrored = 2.0 * values[0] - values[before:0:-1]
+        led_in = mirrored if self._moving else np.full(before, values[0])
+        self.values = np.concatenate([led_in, values])
+        self._time = np.arange(len(self.values)) * PERIOD_S
+        self._spline = CubicSpline(self._time, self.values)
+
+    def replaced(self, values: np.ndarray) -> Curve:
+        """Return a curve with other ``values`` (n,), smooth already, for the same sensor."""
+        other = copy(self)
+        other.low_passed = False
+        other._set(values)
+        return other
 
     def taken(self, delay: float = 0.0, lag: float = 0.0, order: int = 0) -> np.ndarray:
         """Return the ``order``-th derivative of what a sensor with ``delay`` and ``lag`` felt."""
