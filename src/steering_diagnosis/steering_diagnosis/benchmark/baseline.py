@@ -73,7 +73,12 @@ def balances(record: Record) -> list[tuple[str, np.ndarray, list[Column], np.nda
     twist = angle - ratio * x
     rack = area * (right - left) + ratio * torque - force - p["mechanics.rack_mass"] * acceleration
     rack -= p["mechanics.rack_damping"] * v + (level + slope * (left + right)) * sliding
-    load = force - smooth["load_force"] - smooth["load_stiffness"] * (x - smooth["load_position"])
+    # What acts until a tick was commanded at the tick before.
+    asked, stiffness, at = (
+        np.roll(smooth[f"load_{n}"], 1) for n in ("force", "stiffness", "position")
+    )
+    load = force - asked - stiffness * (x - at)
+    load[0] = 0.0
     column = (
         smooth["driver_torque"]
         - torque
@@ -111,10 +116,11 @@ def balances(record: Record) -> list[tuple[str, np.ndarray, list[Column], np.nda
     friction = p["mechanics.column_friction"]
     column_columns: list[Column] = [("column_friction", "factor", 1.0, 1.0 / friction, turning)]
     pressed = 0.01 * area * (right - left)
-    stack = np.column_stack
+    loss, stack = 0.3 * p["mechanics.rack_damping"] * v, np.column_stack
+    loose = 0.15 * (level + slope * (left + right)) * sliding
     return [
         ("torsion bar", torque - bar * twist, bar_columns, stack([0.03 * torque, 0.13 * one])),
-        ("rack force", rack, rack_columns, stack([pressed, 20.0 * one, 0.15 * level * sliding])),
+        ("rack force", rack, rack_columns, stack([pressed, 20.0 * one, loose, loss])),
         ("load", load, load_columns, stack([5e-3 * force, 10.0 * one])),
         ("column torque", column, column_columns, stack([0.02 * one])),
     ]

@@ -18,6 +18,7 @@ from steering_diagnosis.benchmark.truth.course import Course, draw_course
 from steering_diagnosis.benchmark.truth.disturbance import RESOLUTION, disturbance
 from steering_diagnosis.benchmark.truth.effects import (
     BOTH,
+    LEAST,
     OUTSIDE,
     TRUE_EFFECTS,
     TrueEffect,
@@ -212,7 +213,7 @@ def _hide(
         return None
     sizes = {}
     for name, effect in hidden.items():
-        size = _size(random, kind, effect, seen)
+        size = _size(random, kind, effect, seen, probe)
         if size is None:
             return None
         sizes[name] = size
@@ -228,7 +229,7 @@ def _hide(
 
 
 def _size(
-    random: np.random.Generator, kind: str, effect: TrueEffect, seen: Sensitivity
+    random: np.random.Generator, kind: str, effect: TrueEffect, seen: Sensitivity, probe: Probe
 ) -> float | None:
     """Return a size drawn log-uniformly between visible and large, or below what can be seen."""
     if effect.name not in seen.effects:
@@ -243,9 +244,13 @@ def _size(
             * INVISIBLE
             / max(seen.ratio(effect.name), 1e-9)
         )
-    low, high = seen.smallest_visible(effect.name), abs(effect.largest)
+    low = max(seen.smallest_visible(effect.name), LEAST.get(effect.name, 0.0))
+    high = abs(effect.largest)
     if effect.kinds:
         low = max(low, typical)
+    # The scale is not straight: a tolerance imitates a small size better than a large one.
+    while low <= high and not seen.visible(probe.effect(effect, sign * low)):
+        low *= 1.5
     if low > high:
         return None
     high = min(high, 30.0 * low)

@@ -123,7 +123,7 @@ def prepare(job: Job, folder: Path) -> tuple[Path, Path]:
     """Return the case's bag and its held-out one; the truth goes to a folder of its own."""
     bag, holdout = folder / "cases" / job.bag, folder / "cases" / f"{job.bag}-holdout"
     sealed = folder / "sealed" / f"{job.name}.json"
-    if not sealed.is_file():
+    if not (sealed.is_file() and bag.exists() and holdout.exists()):
         drawn = draw_case(job.kind, job.seed, job.effect, holdout=True)
         system = drawn.sealed.valve_system
         write_case(bag, drawn.signals, drawn.nominal, system, drawn.sealed.load)

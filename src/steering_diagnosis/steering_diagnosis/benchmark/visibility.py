@@ -64,8 +64,13 @@ class Sensitivity:
         scale = 1.0 if size is None else abs(size / self.sizes[name])
         return float(np.linalg.norm(self.without_nuisances(name))) * scale
 
+    def visible(self, difference: np.ndarray) -> bool:
+        """Return whether a whitened difference is visible beside the nuisances."""
+        left, raw = np.linalg.norm(self._reduced(difference)), np.linalg.norm(difference)
+        return bool(left >= (BEYOND if left < 0.05 * raw else VISIBLE))
+
     def smallest_visible(self, name: str) -> float:
-        """Return the size's magnitude from which an effect is visible on this record."""
+        """Return about the size's magnitude from which an effect is visible: linear in its size."""
         typical, ratio = abs(self.sizes[name]), max(self.ratio(name), 1e-9)
         raw = float(np.linalg.norm(self.effects[name]))
         needed = BEYOND if ratio < 0.05 * raw else VISIBLE

@@ -68,6 +68,11 @@ def more(full: str, sign: float = 1.0) -> Change:
     )
 
 
+def _exact(full: str) -> Change:
+    """Return a change that takes away what the specimen differs in one value."""
+    return lambda made, nominal, _: replace(made, sheet={**made.sheet, full: nominal[full]})
+
+
 def sensor(row: int, column: int) -> Change:
     """Return a change of a sensor's gain (column 0) or offset (column 1)."""
 
@@ -410,7 +415,7 @@ LISTED = (
     TrueEffect(
         "orifice_flow_coefficient",
         "factor on every metering edge",
-        factor_extra("discharge"),
+        several(factor_extra("discharge"), _exact("oil.flow_coefficient")),
         -0.15,
         -0.4,
         _same("factor", 1.0),
@@ -531,6 +536,22 @@ OUTSIDE = (
         catalogued=False,
     ),
 )
+
+
+LEAST: Mapping[str, float] = {
+    "rack_friction_level": 0.3,
+    "rack_friction_pressure_slope": 0.3,
+    "rack_viscous_damping": 150.0,
+    "rack_mass": 1.5,
+    "column_friction": 0.4,
+    "torsion_bar_stiffness": 0.06,
+    "pump_flow_level": 0.06,
+    "orifice_flow_coefficient": 0.1,
+    "chamber_volume_imbalance": 7e-6,
+    "torque_sensor_gain": 0.01,
+    "rack_force_sensor_gain": 0.01,
+}
+"""Twice the tolerance of what an effect competes with: within tolerance nothing is to be named."""
 
 
 def _register() -> dict[str, dict[str, TrueEffect]]:
