@@ -8,6 +8,8 @@ from uuid import uuid4
 
 import numpy as np
 
+from steering_core.errors import BenchError
+from steering_core.parameters import ParameterSet
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
 from steering_diagnosis.steering import ripple, suspects
@@ -21,6 +23,12 @@ UNSETTLED = 300
 
 CUT_OFF = 100
 """Samples at the end that are not judged: smooth inputs have no future there."""
+
+IMPOSSIBLE = 100.0
+"""Errors of an impossible plant over the nominal one's."""
+
+LEAST_SHARE = 0.02
+"""Share of its nominal value below which a positive parameter is not taken."""
 
 KEPT = 4
 """Replays that a process remembers."""
@@ -89,16 +97,25 @@ class SteeringReplay:
         Where the rack's load is measured, what acts behind the load cell is no part of it.
         """
         model = full_model(self.record.valve_system)
-        parameters = (
-            self.record.nominal.with_values(nuisances) if nuisances else self.record.nominal
-        )
+        parameters = self.record.nominal
+        if nuisances:
+            parameters = parameters.with_values(possible(parameters, nuisances))
         parameters = model.changed(parameters, effects)
         trace = self.simulation.run(parameters, acting(self.drive, effects))
         return Run(self.drive, parameters, effects, trace)
 
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
-        """Return measured minus predicted, (n, outputs), SI; NaN where it is not judged."""
-        errors = self.errors(nuisances, effects)
+        """Return measured minus predicted, (n, outputs), SI; NaN where it is not judged.
+
+        Parameters with which the plant leaves what is possible give errors beyond all measure, so
+        that a search turns back. BenchError where the nominal model does so.
+        """
+        try:
+            errors = self.errors(nuisances, effects)
+        except BenchError:
+            if not nuisances and not effects:
+                raise
+            errors = IMPOSSIBLE * np.abs(self.errors({}, {}))
         errors[~self.judged] = np.nan
         return errors
 
@@ -125,6 +142,17 @@ def bind(record: Record) -> BoundModel:
     """Return the replay of a record with what the report must say of it."""
     replay = SteeringReplay(record)
     return BoundModel(replay, replay.undecidable, record.notes)
+
+
+def possible(nominal: ParameterSet, values: Mapping[str, float]) -> dict[str, float]:
+    """Return ``values`` with those that must be positive, and were, kept positive."""
+    found = {}
+    for name, value in values.items():
+        minimum = nominal.info(name).minimum
+        least = LEAST_SHARE * nominal[name]
+        positive = least > 0.0 and (minimum is None or minimum >= 0.0)
+        found[name] = max(value, least) if positive else value
+    return found
 
 
 _REPLAYS: OrderedDict[str, SteeringReplay] = OrderedDict()
