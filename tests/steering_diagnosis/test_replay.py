@@ -102,6 +102,23 @@ def test_it_is_deterministic_and_travels_to_other_processes(noisy):
     assert np.array_equal(given, there.residuals({}, effects), equal_nan=True)
 
 
+def test_another_record_takes_the_outputs_of_the_first():
+    first = SteeringReplay(bench_record("open_centre", duration=3.0))
+    record = bench_record("open_centre", duration=2.0)
+    channels = {n: v for n, v in record.channels.items() if n != "supply_pressure"}
+    other = SteeringReplay(replace(record, channels=channels, vehicle_load="table"), like=first)
+    assert other.outputs == first.outputs
+    missing = np.isnan(other.residuals({}, {})[other.judged]).all(axis=0)
+    names = [o.name for o in first.outputs]
+    assert [n for n, m in zip(names, missing, strict=True) if m] == [
+        "supply_pressure",
+        "load_force",
+    ]
+    assert np.array_equal(
+        other.residuals({}, {}), pickle.loads(pickle.dumps(other)).residuals({}, {}), equal_nan=True
+    )
+
+
 def test_without_the_rack_force_the_load_command_drives(system):
     record = bench_record(system)
     channels = {n: v for n, v in record.channels.items() if n != "rack_force"}

@@ -53,7 +53,9 @@ def diagnose_record(
     if refusal is not None:
         return Diagnosis(_report_without(record, holdout, found, *refusal), record.time)
     replay = SteeringReplay(without(record, found))
-    other = None if holdout is None else SteeringReplay(without(holdout, suspicions(holdout)))
+    other = None
+    if holdout is not None:
+        other = SteeringReplay(without(holdout, suspicions(holdout)), like=replay)
     findings = diagnose(
         replay,
         other,

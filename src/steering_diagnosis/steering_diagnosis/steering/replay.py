@@ -15,7 +15,7 @@ from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Und
 from steering_diagnosis.steering import ripple, suspects
 from steering_diagnosis.steering.drive import Drive
 from steering_diagnosis.steering.full_model import full_model
-from steering_diagnosis.steering.outputs import Run, acting, outputs_of
+from steering_diagnosis.steering.outputs import Predicted, Run, acting, outputs_of
 from steering_diagnosis.steering.simulation import Simulation
 
 UNSETTLED = 300
@@ -43,19 +43,23 @@ class SteeringReplay:
 
     period_s = PERIOD_S
 
-    def __init__(self, record: Record) -> None:
+    def __init__(self, record: Record, like: SteeringReplay | None = None) -> None:
+        """Bind the model to ``record``; with the outputs of ``like``, NaN where it has none."""
         self.record = record
+        self._like = like
         self._key = uuid4().hex
         self.drive = Drive(record)
         self.simulation = Simulation(self.drive)
-        self._predicted = outputs_of(self.drive)
+        self._predicted: tuple[Predicted, ...]
+        self._predicted = outputs_of(self.drive) if like is None else like._predicted
         self.outputs = tuple(p.output for p in self._predicted)
         self.nuisances = suspects.nuisances(self.drive, record.nominal)
         self.hypotheses: Mapping[str, Hypothesis]
         self.hypotheses, self.undecidable = suspects.hypotheses(
             self.drive, self._predicted, self.nuisances
         )
-        self._look_for_ripple()
+        if like is None:
+            self._look_for_ripple()
         self.judged = np.ones(len(record), dtype=bool)
         self.judged[:UNSETTLED] = False
         self.judged[-CUT_OFF:] = False
@@ -64,7 +68,7 @@ class SteeringReplay:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Travel as the record alone; a process that has met this replay goes on with its own."""
-        return _met, (self._key, self.record)
+        return _met, (self._key, self.record, self._like)
 
     def _look_for_ripple(self) -> None:
         """Begin the hypothesis of ripple at its line; leave it out where there is none."""
@@ -122,7 +126,10 @@ class SteeringReplay:
     def errors(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), samples that do not count included."""
         run = self.run(nuisances, effects)
-        return np.column_stack([p.residual(run) for p in self._predicted])
+        nothing = np.full(len(self.record), np.nan)
+        return np.column_stack(
+            [p.residual(run) if p.there(self.drive) else nothing for p in self._predicted]
+        )
 
     def states(self) -> Mapping[str, np.ndarray]:
         """Return what a free-form term may depend on, name [unit] to (n,), nominal model."""
@@ -158,10 +165,10 @@ def possible(nominal: ParameterSet, values: Mapping[str, float]) -> dict[str, fl
 _REPLAYS: OrderedDict[str, SteeringReplay] = OrderedDict()
 
 
-def _met(key: str, record: Record) -> SteeringReplay:
+def _met(key: str, record: Record, like: SteeringReplay | None) -> SteeringReplay:
     """Return this process's replay of a record that came from another process."""
     if key not in _REPLAYS:
-        _REPLAYS[key] = SteeringReplay(record)
+        _REPLAYS[key] = SteeringReplay(record, like)
         _REPLAYS[key]._key = key
         if len(_REPLAYS) > KEPT:
             _REPLAYS.popitem(last=False)
