@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pressure_control.compensator import compensator_gains
-from pressure_control.controller import CONTROLLERS, INTEGRAL, ValveController
+from pressure_control.controller import CONTROLLERS, ValveController
+from pressure_control.controller_states import INTEGRAL
 from pressure_control.linear_valve import linearise, simplified_response
 from pressure_control.schedule import scheduled_poles
 from steering_core.parameters import load_parameters

@@ -11,7 +11,17 @@ from typing import Any
 import numpy as np
 
 from pressure_control.compensator import compensator_gains, desired_resonance
+from pressure_control.controller_states import (
+    ANSWER,
+    FILTERED,
+    INTEGRAL,
+    SLIP,
+    SPOOL_SEEN,
+    STATES,
+    TORQUE,
+)
 from pressure_control.limits import bounded
+from pressure_control.prediction import pending_answer
 from pressure_control.record import Side, controller_record
 from pressure_control.reference import (
     SPEED_LIMIT,
@@ -19,16 +29,18 @@ from pressure_control.reference import (
     mirrored,
     reference_pressures,
 )
-from pressure_control.schedule import flow_feed_forward, opening_for_flow, scheduled_poles
+from pressure_control.schedule import (
+    flow_feed_forward,
+    opening_at,
+    opening_for_flow,
+    scheduled_poles,
+)
 from pressure_control.servo_controller import ServoValveController
 from pressure_control.stability import check_sampled_stability
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterSet
 from steering_plant.boost_curve import FORMULA
 from steering_plant.rest import rest_solenoid_force
-
-INTEGRAL, FILTERED, SLIP = range(3)
-"""States: integrator [Pa], low-passed control error [Pa], low-passed speed difference [m/s]."""
 
 
 @kernel
@@ -61,25 +73,43 @@ def controller_step(
     rack_v = bounded(p.side * rack_v, -SPEED_LIMIT, SPEED_LIMIT)
 
     load_v, state[SLIP] = compensation_speed(p, state[SLIP], wheel_v, rack_v)
+    torque = p.side * filtered_torque(p, state, torque)
     reference, load_pressure = reference_pressures(
-        p, table, p.side * torque, p.piston_area * load_v, highest, p.side * overlay
+        p, table, torque, p.piston_area * load_v, highest, p.side * overlay
     )
     # What the valve's gains are computed for keeps clear of the ends, where one edge has none.
     working = bounded(pressure, p.atmospheric_pressure, highest - p.atmospheric_pressure)
     flow = p.piston_area * wheel_v
     area, depth, drop = opening_for_flow(p, working, highest, flow)
-    w_0, d_0, K_s = scheduled_poles(p, working, highest, flow, area, depth, p.side * rack_x)
+    seen_flow, seen_area, seen_depth = flow, area, depth
+    if p.spool_sensor > 0.0:
+        seen_flow, seen_area, seen_depth = opening_at(p, state[SPOOL_SEEN])
+    w_0, d_0, K_s = scheduled_poles(
+        p, working, highest, seen_flow, seen_area, seen_depth, p.side * rack_x
+    )
     w_k = desired_resonance(p, p.resonance, load_pressure)
     direct, filtered, integral_weight, error_weight = compensator_gains(
         w_k, p.damping, w_0, d_0, K_s
     )
 
     error = reference - pressure
+    if p.delay_compensation > 0.0:
+        error -= pending_answer(p, state, tick)
+        state[ANSWER] += integral_weight * K_s * error
     state[FILTERED] += error_weight * (error - state[FILTERED])
     rest = direct * error + filtered * state[FILTERED]
     rest += flow_feed_forward(p, flow, area, depth, drop)
     out[0] = reference
     out[1] = limited_force(p, state, integral_weight * error, rest)
+
+
+@kernel
+def filtered_torque(p: Any, state: np.ndarray, torque: float) -> float:
+    """Return the torque [N m] behind the low-pass, if there is one."""
+    if p.torque_weight < 1.0:
+        state[TORQUE] += p.torque_weight * (torque - state[TORQUE])
+        return float(state[TORQUE])
+    return torque
 
 
 @kernel
@@ -121,7 +151,7 @@ class ValveController:
         check_sampled_stability(parameters, table)
         self.par = controller_record(parameters, side, table)
         self.table = table if side == "right" else mirrored(table)
-        self.state = np.zeros(3)
+        self.state = np.zeros(STATES)
         self.out = np.array(rest_output(self.par, self.table))
         p = self.par[0]
         self.state[INTEGRAL] = (self.out[1] - p["spring_preload"]) / p["pressure_area"]

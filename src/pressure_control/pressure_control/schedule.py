@@ -16,7 +16,7 @@ from pressure_control.valve_gains import (
 )
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterSet
-from steering_plant.control_valve import HOLES, holes_area_gradient
+from steering_plant.control_valve import HOLES, holes_area, holes_area_gradient
 from steering_plant.orifice import orifice_flow
 
 SMALLEST_STATIC_GAIN = 0.3
@@ -35,6 +35,18 @@ def opening_for_flow(
     area = abs(flow) / orifice_flow(p.orifice_constant, drop, p.laminar_transition_pressure)
     area = min(area, p.largest_area)
     return area, uncovered_depth(p, area), drop
+
+
+@kernel
+def opening_at(p: Any, spool: float) -> tuple[float, float, float]:
+    """Return (flow, area, depth) for ``scheduled_poles`` at a measured spool displacement [m].
+
+    flow [m3/s] only tells the edge, going over from one to the other within the nominal
+    displacement.
+    """
+    depth = bounded(abs(spool) + p.underlap, 0.0, 0.5 * p.hole_diameter)
+    edge = p.schedule_flow_blend * spool / p.nominal_spool_displacement
+    return edge, holes_area(p.hole_diameter, depth), depth
 
 
 @kernel

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pressure_control.controller_states import LONGEST
 from pressure_control.errors import ControllerError
 from pressure_control.operating_point import SteeringPoint, steering_point
 from pressure_control.sampled_loop import spectral_radius
@@ -25,14 +26,16 @@ it limit cycles were seen there. The boost curve's steep end is passed at the tu
 
 
 def check_sampled_stability(
-    parameters: ParameterSet, table: np.ndarray = FORMULA, delay: int = 0
+    parameters: ParameterSet, table: np.ndarray = FORMULA, delay: int | None = None
 ) -> None:
     """Raise ControllerError where the steering loop is unstable in the linear, sampled model.
 
-    delay: ticks declared between measurement and command, both ways added. The error names the
+    delay: ticks declared between measurement and command, both ways added; None: as many as the
+    controller compensates. The error names the
     resonance, the damping, the worst point and the largest stable resonance.
     """
     check_schedule(parameters)
+    delay = check_compensation(parameters) if delay is None else delay
     resonance = parameters["valve_controller.resonance"]
     damping = parameters["valve_controller.damping"]
     points = operating_points(parameters, table)
@@ -98,3 +101,14 @@ def check_schedule(parameters: ParameterSet) -> None:
             f"valve_controller.nominal_spool_displacement {nominal:g} m does not open the valve: "
             f"it must exceed the overlap of {-underlap:g} m"
         )
+
+
+def check_compensation(parameters: ParameterSet) -> int:
+    """Return the ticks that are compensated; ControllerError unless a number that can be kept."""
+    ticks = parameters["valve_controller.delay_compensation"]
+    if not (ticks.is_integer() and ticks < LONGEST):
+        raise ControllerError(
+            f"valve_controller.delay_compensation must be a whole number of ticks up to "
+            f"{LONGEST - 1}, got {ticks:g}"
+        )
+    return int(ticks)

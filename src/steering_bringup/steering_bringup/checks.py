@@ -24,14 +24,24 @@ def check_physics(plan: Plan) -> None:
         print("compiling the kernels (once after each change of the code) ...", file=sys.stderr)
     step_once(build_cores(plan.scenario, plan.node_set))
     delay = valve_loop_delay(plan.graph) + (plan.rig.rig.delay if plan.rig else 0)
-    if delay:
-        # Without delays the controllers themselves have just been judged as they were built.
+    parameters = plan.scenario.parameter_values()
+    check_spool_sensor(plan, parameters["valve_controller.spool_sensor"])
+    if delay != parameters["valve_controller.delay_compensation"]:
+        # Otherwise the controllers themselves have just been judged as they were built.
         try:
             table = boost_curve(plan.scenario)
-            parameters = plan.scenario.parameter_values()
             check_delayed_stability(plan.node_set, parameters, table, delay)
         except ValueError as error:
             raise BenchError(str(error)) from None
+
+
+def check_spool_sensor(plan: Plan, wanted: float) -> None:
+    """Refuse spool-position feedback in the graph, where no topic carries the spools."""
+    if wanted > 0.0 and plan.manner.runner != "direct":
+        raise BenchError(
+            "valve_controller.spool_sensor: no topic carries the spools' positions, so it works "
+            "in direct runs only: add --direct"
+        )
 
 
 def check_place(bag: Path) -> None:

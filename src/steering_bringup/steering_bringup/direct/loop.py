@@ -8,11 +8,15 @@ from __future__ import annotations
 
 from driver_model.lead_lag import driver_step
 from pressure_control.controller import controller_step
+from pressure_control.controller_states import SPOOL_SEEN
 from pressure_control.load_force import load_force_step
 from pressure_control.overlay.arbiter import arbiter_step
 from pressure_control.overlay.sources import message_tick
 from steering_bringup.lane_keeping.keeper import lane_keeper_step
 from steering_core.compiled import kernel
+from steering_plant.model.states import LEFT_VALVE as LEFT_VALVE_STATES
+from steering_plant.model.states import RIGHT_VALVE as RIGHT_VALVE_STATES
+from steering_plant.model.states import SPOOL
 from steering_plant.model.step import plant_step, report_truth
 from vehicle_model.model.attitude import half_angle
 from vehicle_model.model.step import vehicle_step
@@ -73,6 +77,14 @@ def control(core, measured, torque, pressure, rack, overlay, tick, trace, row):
         overlay,
     )
     keep(out, trace, row)
+
+
+@kernel
+def see_spool(core, y, first):
+    """Hand a controller its valve's true spool displacement, if it has a place for it."""
+    state = core[2]
+    if state.shape[0] > SPOOL_SEEN:
+        state[SPOOL_SEEN] = y[first + SPOOL]
 
 
 @kernel
@@ -225,12 +237,14 @@ def run_ticks(
             at_pressure = row - delays[LEFT_PRESSURE_DELAY]
             at_rack = row - delays[LEFT_RACK_DELAY]
             torque = applied[row - delays[LEFT_OVERLAY_DELAY], 1] if overlaid else 0.0
+            see_spool(left, y, LEFT_VALVE_STATES)
             control(left, measured, at_torque, at_pressure, at_rack, torque, tick, left_trace, row)
         if closed and not replayed[RIGHT_VALVE]:
             at_torque = row - delays[RIGHT_TORQUE_DELAY]
             at_pressure = row - delays[RIGHT_PRESSURE_DELAY]
             at_rack = row - delays[RIGHT_RACK_DELAY]
             torque = applied[row - delays[RIGHT_OVERLAY_DELAY], 1] if overlaid else 0.0
+            see_spool(right, y, RIGHT_VALVE_STATES)
             control(
                 right, measured, at_torque, at_pressure, at_rack, torque, tick, right_trace, row
             )

@@ -27,6 +27,8 @@ def yielding_rate(force, nominal, reached, velocity, displacement):
 
     dF/dt = (nominal/displacement) (v - F |v|/reached): the spring under it stays as stiff as the
     nominal one, so that a limit that differs with direction or speed (Stribeck) creates no energy,
-    however small the cycles. With the nominal limit it is ``friction_rate``, bit for bit.
+    however small the cycles. With the nominal limit it is ``friction_rate``, bit for bit. Without
+    friction both limits are zero, and so is the force.
     """
-    return (nominal * velocity - force * abs(velocity) * (nominal / reached)) / displacement
+    share = nominal / reached if reached > 0.0 else 1.0
+    return (nominal * velocity - force * abs(velocity) * share) / displacement
