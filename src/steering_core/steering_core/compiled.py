@@ -34,6 +34,7 @@ CORE_PACKAGES = (
     "steering_bringup.direct",
     "steering_bringup.lane_keeping",
     "steering_diagnosis.steering.kernels",
+    "steering_diagnosis.engine.kernels",
     "steering_diagnosis.benchmark.truth",
 )
 """Packages with kernels; the rest of the bring-up has none, and its edits cost no compilation."""

@@ -106,4 +106,5 @@ def scales(h: Hypothesis) -> np.ndarray:
 
 def bounds(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
     """Return the lower and upper bounds of a hypothesis's parameters, (k,) each."""
-    return np.array([p.low for p in h.parameters]), np.array([p.high for p in h.parameters])
+    low, high = [p.low for p in h.parameters], [p.high for p in h.parameters]
+    return np.array(low, float), np.array(high, float)

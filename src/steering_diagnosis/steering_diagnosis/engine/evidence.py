@@ -87,6 +87,11 @@ def family_p(ratio: float, parameters: int, trials: int) -> float:
     return float(-np.expm1(trials * np.log1p(-min(single, 1.0 - 1e-16))))
 
 
+def critical_ratio(p: float, trials: int) -> float:
+    """Return the ratio of one parameter that is significant over the catalogue."""
+    return float(stats.chi2.isf(p / max(trials, 1), 1) * float(calibration()["inflation"]))
+
+
 def weigh(
     problem: Problem,
     held: HeldOut,

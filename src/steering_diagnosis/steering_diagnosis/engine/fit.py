@@ -16,6 +16,7 @@ from scipy.optimize import lsq_linear
 
 from steering_diagnosis.engine.catalogue import Catalogue, Values, bounds, scales
 from steering_diagnosis.engine.evaluate import Evaluator
+from steering_diagnosis.engine.kernels.gram import gram as gram_kernel
 from steering_diagnosis.engine.noise import Noise, fit_noise, usable
 from steering_diagnosis.engine.settings import Settings
 from steering_diagnosis.engine.templates import Template
@@ -105,7 +106,7 @@ def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | Non
         columns = renew(problem, now)
         if stale and values:
             nuisance = renew_nuisances(problem, now, columns, nuisance)
-        stale = k % 2 == 1
+        stale = k == 1
         step_z, step_values, promised = gauss_newton(problem, now, columns, nuisance)
         now = Fit(now.z, now.values, now.residual, now.noise, now.misfit, columns)
         if promised < SMALL:
@@ -208,11 +209,17 @@ def normal_equations(
     problem: Problem, now: Fit, columns: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Return gram matrix, slope and energy of whitened columns: minimise |e + C x|^2."""
-    weights = problem.weights()
-    e = now.noise.whiten(now.residual) * weights
-    c = now.noise.whiten(columns) * weights[..., None]
-    flat = c.reshape(-1, columns.shape[-1])
-    return flat.T @ flat, -(flat.T @ e.ravel()), float(np.sum(e * e))
+    white = now.noise.whiten(np.concatenate([columns, now.residual[..., None]], axis=-1))
+    gram = gram_of(white, problem.weights() ** 2)
+    return gram[:-1, :-1].copy(), -gram[:-1, -1], float(gram[-1, -1])
+
+
+def gram_of(columns: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Return the weighted gram matrix of columns (n, outputs, k); weights: (n, outputs)."""
+    k = columns.shape[-1]
+    lower = np.zeros((k, k))
+    gram_kernel(np.ascontiguousarray(columns).reshape(-1, k), weights.ravel(), lower)
+    return lower + np.tril(lower, -1).T
 
 
 def bounded(gram: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

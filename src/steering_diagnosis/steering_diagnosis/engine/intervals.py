@@ -12,7 +12,7 @@ import numpy as np
 from scipy import stats
 
 from steering_diagnosis.engine.catalogue import bounds, scales
-from steering_diagnosis.engine.fit import Fit, Problem
+from steering_diagnosis.engine.fit import Fit, Problem, gram_of
 from steering_diagnosis.engine.screen import active_columns
 
 
@@ -48,14 +48,14 @@ def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
     """Return the covariance at a fit. block: number of each sample, (n,); empty: no sandwich."""
     columns = np.concatenate([problem.nuisance, active_columns(fit)], axis=-1)
     weights = problem.weights()
-    e = fit.noise.whiten(fit.residual) * weights
-    c = fit.noise.whiten(columns) * weights[..., None]
-    gram = np.tensordot(c, c, ([0, 1], [0, 1]))
+    c = fit.noise.whiten(columns)
+    gram = gram_of(c, weights**2)
     p = problem.nuisance.shape[-1]
     gram[np.arange(p), np.arange(p)] += 1.0
     matrix = np.linalg.pinv(gram, hermitian=True)
     if not len(block):
         return Covariance(matrix, np.zeros((0, len(matrix))))
+    e = fit.noise.whiten(fit.residual) * weights**2
     each = np.einsum("nmk,nm->nk", c, e)
     used = np.unique(block[weights.any(axis=1)])
     slopes = np.stack([each[block == b].sum(axis=0) for b in used])

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from steering_diagnosis.engine.kernels.whitening import whiten
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -36,13 +38,10 @@ class Noise:
 
     def whiten(self, values: np.ndarray) -> np.ndarray:
         """Return (n, outputs, ...) whitened; the first ``order`` rows are zero."""
-        trailing = (1,) * (values.ndim - 2)
-        white = values[self.order :].copy()
-        for k in range(self.order):
-            a = self.coefficients[:, k].reshape(-1, *trailing)
-            white -= a * values[self.order - 1 - k : len(values) - 1 - k]
-        white /= self.sd.reshape(-1, *trailing)
-        return np.concatenate([np.zeros((self.order, *values.shape[1:])), white])
+        flat = np.ascontiguousarray(values, float).reshape(*values.shape[:2], -1)
+        white = np.zeros_like(flat)
+        whiten(flat, self.coefficients, self.sd, white)
+        return white.reshape(values.shape)
 
 
 def usable(valid: np.ndarray, order: int) -> np.ndarray:

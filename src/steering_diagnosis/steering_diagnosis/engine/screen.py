@@ -17,6 +17,8 @@ from steering_diagnosis.engine.fit import Fit, Problem, assess, bounded, normal_
 from steering_diagnosis.engine.noise import Noise
 from steering_diagnosis.engine.templates import Template
 
+PAIR_LEAD = 1.1
+"""A pair has to beat the best single hypothesis by this factor."""
 WIDE = 3.0
 """In the saturated model every template is free with this prior standard deviation."""
 
@@ -77,14 +79,20 @@ def screen(
 
 
 def pairs(
-    problem: Problem, now: Fit, trials: Sequence[Template], noise: Noise, most: int
+    problem: Problem,
+    now: Fit,
+    trials: Sequence[Template],
+    noise: Noise,
+    least: float,
+    most: int,
 ) -> list[tuple[str, str]]:
-    """Return pairs of hypotheses that help together more than alone, best first."""
+    """Return pairs that together help clearly more than any single hypothesis, best first."""
     trials = [t for t in trials if t.hypothesis not in now.values]
     columns = _stack(problem, now, trials)
     state = Fit(now.z, now.values, now.residual, noise, now.misfit)
     gram, slope, at = _projected(problem, state, trials, columns)
     single = {i: _gain(gram, slope, at[i]) for i in range(len(trials))}
+    alone = max(single.values())
     ranked: dict[tuple[str, str], float] = {}
     for i in range(len(trials)):
         for j in range(i):
@@ -92,7 +100,7 @@ def pairs(
             if a != b:
                 both = _gain(gram, slope, np.r_[at[i], at[j]])
                 pair = (min(a, b), max(a, b))
-                if both > 1.1 * max(single[i], single[j]):
+                if both > max(PAIR_LEAD * alone, alone + least):
                     ranked[pair] = max(ranked.get(pair, 0.0), both)
     return sorted(ranked, key=lambda p: (-ranked[p], p))[:most]
 

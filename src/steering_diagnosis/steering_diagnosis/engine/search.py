@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from steering_diagnosis.engine.evidence import Evidence, HeldOut, weigh
+from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
 from steering_diagnosis.engine.fit import Fit, Problem, refit
 from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
 from steering_diagnosis.engine.templates import Template
 
+HOPELESS = 0.5
+"""Below this share of the family-wise critical ratio a linear gain is not refitted."""
 CLOSE = 0.6
 """A hypothesis is refitted only if its linear gain is at least this share of the best."""
 PAIRS = 3
@@ -34,6 +36,8 @@ class Search:
         self.fits[frozenset()] = self.null
         residual = saturated(self.problem, self.null, self.trials)
         self._noise = self.problem.noise(residual)
+        p = self.problem.settings.family_p
+        self.critical = critical_ratio(p, len(self.trials))
         self._reduced: set[tuple[frozenset[str], str]] = set()
         self.floor = self._noise.rms**2
 
@@ -70,10 +74,10 @@ class Search:
         scores = self.scores(now)
         if not scores:
             return []
-        least = CLOSE * scores[0].gain
+        least = max(CLOSE * scores[0].gain, HOPELESS * self.critical)
         found = []
         for s in scores[:most]:
-            if s.gain < max(least, 6.0):
+            if s.gain < least:
                 break
             names = now.names | {s.hypothesis}
             known = self.fits.get(names)
@@ -128,13 +132,13 @@ class Search:
         """Return pairs that are real although neither of the two need be real alone."""
         best = min((f.misfit for f in singles.values()), default=self.null.misfit)
         found = []
-        for a, b in pairs(self.problem, self.null, self.trials, self._noise, PAIRS):
+        for a, b in pairs(self.problem, self.null, self.trials, self._noise, self.critical, PAIRS):
             now = self.null
             for name in (a, b):
                 options = [t for t in self.trials if t.hypothesis == name]
                 starts = [start_of(self.problem, now, t) for t in options]
                 start = max(starts, key=lambda s: s.gain)
-                if name == b and now.misfit - start.gain > best - 20.0:
+                if name == b and now.misfit - start.gain > best - self.critical:
                     break
                 now = self.fit(now.names | {name}, start.z, start.values)
             if now.names == frozenset((a, b)) and self._sound(now):

@@ -75,7 +75,9 @@ def templates(
             i = book.index[name]
             unit = np.array([scale(h.parameters[0])])
             columns = nuisance[:, :, [i]] * (unit[0] / book.deviation[i])
-            found.append(Template(h.name, np.array([h.parameters[0].neutral]), (0,), unit, columns))
+            found.append(
+                Template(h.name, np.array([h.parameters[0].neutral], float), (0,), unit, columns)
+            )
     return found
 
 
@@ -85,7 +87,8 @@ def _trials(h: Hypothesis, grid: Sequence[float]) -> list[tuple[np.ndarray, tupl
     free = tuple(i for i in range(len(h.parameters)) if i not in shapes)
     if not free:
         free, shapes = tuple(range(len(h.parameters))), []
-    start = np.array([p.typical if i in shapes else p.neutral for i, p in enumerate(h.parameters)])
+    values = [p.typical if i in shapes else p.neutral for i, p in enumerate(h.parameters)]
+    start = np.array(values, float)
     found = [start]
     for i in shapes:
         p = h.parameters[i]
