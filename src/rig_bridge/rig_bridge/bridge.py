@@ -54,7 +54,7 @@ class Bridge:
         if self.guard.measurements.fresh:
             rig_ns = self.guard.measurements.clock.rig_ns
             waited = 0 if rig_ns is None else self.offset.see(rig_ns, self.arrived_ns)
-            self.open_ticks.append((self.arrived_ns, waited))
+            self.open_ticks += [(self.arrived_ns, waited)] * len(self.periods)
         return measured
 
     @property
@@ -89,6 +89,7 @@ class Bridge:
 
     def hold(self) -> None:
         """Tell the rig to be safe, whatever the state; at the end of a run."""
+        self._close_ticks()
         self.guard.commands.make_safe()
         self._send(Order.HOLD, self.guard.commands.sent)
 
