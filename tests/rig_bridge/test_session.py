@@ -1,6 +1,7 @@
 """One run with the emulated rig, tick by tick: checks, commands of rest, ticks, faults, report."""
 
 import math
+from typing import Any
 
 import pytest
 from healthy_rig import EMULATED, PERIOD_NS, emulated_rig
@@ -12,9 +13,9 @@ from rig_bridge.emulator.rig import EmulatedRig
 from rig_bridge.rig_file import load_rig
 from rig_bridge.session import FIRST_COMMANDS_TICKS, Session, columns_of
 from rig_bridge.shipped import find_rig, shipped_rigs
-from rig_bridge.signals import PLACES
 from rig_bridge.transport.registry import check_link
 from steering_core.errors import BenchError
+from steering_lockstep.signals import PLACES
 
 WITHIN = 5
 RIG = emulated_rig(check_ticks=20, entry_ticks=10)
@@ -91,7 +92,9 @@ def test_old_commands_make_the_rig_safe_and_name_who_owes_them(run):
     run.tick(age=3, late="/driver/torque of node 'driver'")
     assert run.session.failure is None
     run.tick(age=4, late="/driver/torque of node 'driver'")
-    assert "/driver/torque of node 'driver': no new commands (for 4 ticks)" in run.session.failure
+    assert "/driver/torque of node 'driver': no new commands (for 4 ticks)" in str(
+        run.session.failure
+    )
     assert run.session.report()["held"] == 2
 
 
@@ -106,7 +109,7 @@ def test_the_first_commands_may_take_a_while():
         assert run.ticks_to_failure(age=FIRST_COMMANDS_TICKS, late="/driver/torque") <= 2
 
 
-FAULTS = {
+FAULTS: dict[str, dict[str, Any]] = {
     "a command that is no number": {"values": [math.nan, *VALUES[1:]]},
     "a silent rig": {"send": False},
 }

@@ -103,8 +103,8 @@ def test_a_rig_run_is_a_run(rig_run, link, tmp_path):
 def replay(folder, recorded):
     """The rig's measurements replayed without it give the same commands, bit for bit."""
     resonance = recorded.run["parameters"]["valve_controller.resonance"]
-    words = ("run", "step", "--node-set", "closed_centre", "--direct", "--no-truth", "--duration")
-    words += ("1.5", "--set", f"valve_controller.resonance={resonance}", "--out", "again")
+    words = ["run", "step", "--node-set", "closed_centre", "--direct", "--no-truth", "--duration"]
+    words += ["1.5", "--set", f"valve_controller.resonance={resonance}", "--out", "again"]
     bench = Bench(*words, "--from-bag", f"plant={BAG}", folder=folder)
     status, _, err = bench.finish()
     assert status == 0, err
