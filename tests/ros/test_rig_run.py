@@ -14,6 +14,8 @@ from bench_process import Bench, children, recorded_bytes, wait_for
 from patient_rig import patient_rig
 
 from steering_bringup.bags import read_bag
+from steering_bringup.errors import BenchError
+from steering_bringup.repeating import plan_from_bag
 
 pytest.importorskip("rclpy")
 pytestmark = pytest.mark.ros
@@ -111,9 +113,8 @@ def replay(folder, recorded):
     again = read_bag(folder / "again" / "closed_centre")
     for topic, payloads in recorded.payloads.items():
         assert np.array_equal(payloads, again.payloads[topic]), topic
-    status, _, err = Bench("repeat", str(BAG), folder=folder).finish()
-    assert status == 1
-    assert "--from-bag plant=BAG" in err
+    with pytest.raises(BenchError, match="--from-bag plant=BAG"):
+        plan_from_bag(recorded, folder / "repeated")
 
 
 def test_a_dead_node_makes_the_rig_safe_and_is_named(rig_run, tmp_path):
@@ -199,7 +200,7 @@ def test_a_reset_takes_the_rig_up_again(rig_run, tmp_path):
     from std_srvs.srv import Trigger
 
     domain = 77
-    words = ("--duration", "8", "--rig-fault", "hold", "--domain", str(domain))
+    words = ("--duration", "5", "--rig-fault", "hold", "--domain", str(domain))
     watching = {"stale_ticks": 200}
     bench = running(rig_run(*words, watching=watching), tmp_path)
     pid = emulator_process(bench)
