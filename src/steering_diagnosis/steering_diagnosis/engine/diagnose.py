@@ -64,7 +64,7 @@ def diagnose(
         if holdout is None
         else _second_record(holdout, settings, executor)
     )
-    null = refit(problem, np.zeros(len(book.nuisances)), {})
+    null = refit(problem, np.zeros(len(book.nuisances)), {}, 2 * settings.iterations)
     search = Search(problem, held, trials, null, lambda name: tell(_share(runs, expected), name))
     findings = conclude(search, search.best(), block)
     tell(1.0, "done")

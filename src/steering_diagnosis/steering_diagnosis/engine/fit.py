@@ -104,9 +104,9 @@ def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | Non
     stale = True
     for k in range(iterations or problem.settings.iterations):
         columns = renew(problem, now)
-        if stale and values:
+        if stale and (values or k):
             nuisance = renew_nuisances(problem, now, columns, nuisance)
-        stale = k == 1
+        stale = k in (1, 4)
         step_z, step_values, promised = gauss_newton(problem, now, columns, nuisance)
         now = Fit(now.z, now.values, now.residual, now.noise, now.misfit, columns)
         if promised < SMALL:
@@ -164,7 +164,7 @@ def renew_nuisances(
     gram[np.arange(p), np.arange(p)] += 1.0
     spread = np.linalg.pinv(gram, hermitian=True)
     size = np.sqrt(np.maximum(np.diag(spread), 1e-300))
-    trade = np.abs(spread[:p, p:] / size[:p, None] / size[None, p:]).max(axis=1)
+    trade = np.abs(spread[:p, p:] / size[:p, None] / size[None, p:]).max(axis=1, initial=0.0)
     urgency = np.where(moved, 1.0 + np.abs(now.z), trade)
     chosen = [i for i in np.argsort(-urgency)[:RENEWED] if urgency[i] > TRADES]
     steps = np.eye(p)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
-from steering_diagnosis.engine.fit import Fit, Problem, refit
+from steering_diagnosis.engine.fit import SMALL, Fit, Problem, refit
 from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
 from steering_diagnosis.engine.templates import Template
 
@@ -17,6 +17,7 @@ HOPELESS = 0.5
 CLOSE = 0.6
 """A hypothesis is refitted only if its linear gain is at least this share of the best."""
 PAIRS = 3
+RESTARTS = 3
 
 
 @dataclass(repr=False)
@@ -46,7 +47,22 @@ class Search:
         return weigh(self.problem, self.held, without, full, self.floor, len(self.trials))
 
     def best(self) -> Fit:
-        """Return the best model whose every cause is real."""
+        """Return the best model whose every cause is real.
+
+        A nominal model that fits better than when the search began, found on the way back from
+        some cause, begins it anew: against a poor one anything looks like a cause.
+        """
+        for _ in range(RESTARTS):
+            final = self._once()
+            null = self.fits[frozenset()]
+            if null.misfit > self.null.misfit - SMALL:
+                break
+            self.null, self.fits = null, {frozenset(): null}
+            self.screened.clear()
+            self._reduced.clear()
+        return final
+
+    def _once(self) -> Fit:
         final = self.improve(self._forward())
         while True:
             reduced = self._without_weakest(final)
@@ -115,7 +131,7 @@ class Search:
             passed: dict[frozenset[str], Fit] = {}
             for now in beam:
                 for full in self.extended(now, s.refitted if depth == 0 else 3):
-                    if full.names not in passed and not self.weigh(now, full).why_not:
+                    if full.names not in passed and self._holds(now, full):
                         passed[full.names] = full
             if depth == 0:
                 passed.update({f.names: f for f in self._pairs(passed)})
@@ -127,6 +143,13 @@ class Search:
                 break
             final = ranked[0]
         return final
+
+    def _holds(self, now: Fit, full: Fit) -> bool:
+        """Return whether the added cause is real, also against the model refitted without it."""
+        if self.weigh(now, full).why_not:
+            return False
+        (added,) = full.names - now.names
+        return not self.weigh(self.without(full, added), full).why_not
 
     def _pairs(self, singles: dict[frozenset[str], Fit]) -> list[Fit]:
         """Return pairs that are real although neither of the two need be real alone."""
