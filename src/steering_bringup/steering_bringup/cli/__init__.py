@@ -32,6 +32,7 @@ COMMANDS = {
     "reproduce": "every figure of the source, with its numbers beside ours",
     "diagnose": "what the simulation gets wrong on a record, the cause, the extended model",
     "plan": "the experiment that separates what a diagnosis could not",
+    "linear": "Bode plots, margins, chattering, lag, latency and tolerances of valves and steering",
     "bench": "measure speed and accuracy against the targets",
 }
 """Commands with their one line of help; the module of the same name implements each."""
@@ -40,6 +41,7 @@ PACKAGES: dict[str, str] = {
     "rig-test": "steering_studies",
     "identify": "steering_studies",
     "validate": "steering_studies",
+    "linear": "steering_studies",
     "design-valve": "steering_studies",
     "study": "steering_studies",
     "reproduce": "steering_studies",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from vehicle_model.vehicle import Vehicle
 
 TICKS = 10_000
 """Ticks of the sweep of +-30 degrees up to 2 Hz (section 6.3)."""
+
+SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 COMMANDS = ("/valve/left/command->plant", "/valve/right/command->plant")
 """Connections that carry the valves' commands."""
@@ -34,15 +37,22 @@ def drive(
     *,
     ticks: int = TICKS,
     delays: Mapping[str, int] | None = None,
+    controllers: Sequence[ValveController] | None = None,
 ) -> DirectTrace:
-    """Drive the source's on-centre sweep with a valve system and load; return the trace."""
+    """Drive the source's on-centre sweep with a valve system and load; return the trace.
+
+    controllers: left and right, fresh; by default those of the same parameters.
+    """
     closed = valve_system == "closed_centre"
+    if closed and controllers is None:
+        controllers = [ValveController(parameters, side) for side in SIDES]
+    left, right = controllers if closed and controllers else (None, None)
     cores = Cores(
         Plant(parameters, valve_system),
         Driver(parameters, make_manoeuvre("on_centre"), ticks),
         Vehicle(parameters, make_load(load), ticks),
-        ValveController(parameters, "left") if closed else None,
-        ValveController(parameters, "right") if closed else None,
+        left,
+        right,
     )
     return run(cores, ticks, delays, truth=True)
 
@@ -118,9 +128,19 @@ def ripple(trace: DirectTrace) -> float:
 
 
 def limit_cycle(parameters: ParameterSet, *, delay: int = 0, ticks: int = TICKS) -> bool:
-    """Return whether the closed-centre system cycles, or breaks off, on-centre."""
+    """Return whether the closed-centre system cycles, or breaks off, on-centre.
+
+    The controllers are made with a stable resonance and set to the wanted one afterwards: their own
+    check would refuse what is to be tried.
+    """
+    name = "resonance"
+    stable = parameters.with_values({f"valve_controller.{name}": 50.0})
+    sides = [ValveController(stable, side) for side in SIDES]
+    for side in sides:
+        side.par[name] = parameters[f"valve_controller.{name}"]
+    late = late_commands(delay)
     try:
-        trace = drive(parameters, "closed_centre", ticks=ticks, delays=late_commands(delay))
+        trace = drive(parameters, "closed_centre", ticks=ticks, delays=late, controllers=sides)
     except PlantError:
         return True
     return ripple(trace) > CYCLE_RIPPLE
