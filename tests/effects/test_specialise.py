@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 import vehicle_model.model.step as nominal_step
+from pressure_control import controller_states, servo_controller
+from steering_bringup.direct import loop
 from steering_core import specialise
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import Effect, Parameter
@@ -28,6 +30,14 @@ def test_a_file_that_is_not_there_cannot_be_replaced() -> None:
 def test_an_import_that_is_not_there_cannot_be_replaced() -> None:
     with pytest.raises(ValueError, match="does not import from steering_plant"):
         specialise.specialised_module(nominal_step, {"steering_plant": "other"})
+
+
+def test_another_module_whose_name_begins_alike_is_left_alone() -> None:
+    """The states of the controllers once came from a servo controller's, which has none."""
+    other = "pressure_control.servo_controller"
+    made = specialise.specialised_module(loop, {"pressure_control.controller": other})
+    assert made.controller_step is servo_controller.controller_step
+    assert made.SPOOL_SEEN == controller_states.SPOOL_SEEN
 
 
 def _effect(**changes: object) -> Effect:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import importlib
 import os
+import re
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping
@@ -41,9 +42,10 @@ def specialised_module(module: ModuleType, imports: Mapping[str, str]) -> Module
     """Return a copy of ``module`` that imports from other packages (name to other name)."""
     text = resources.files(module.__package__ or "").joinpath(_file_name(module)).read_text("utf-8")
     for old, new in imports.items():
-        if old not in text:
+        # The whole name: another module's may begin with it.
+        text, count = re.subn(rf"\b{re.escape(old)}\b", new, text)
+        if not count:
             raise ValueError(f"{module.__name__} does not import from {old}")
-        text = text.replace(old, new)
     name = f"{module.__name__.replace('.', '_')}_{_key([text])}"
     _write(_generated() / f"{name}.py", text)
     return importlib.import_module(name)
