@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from pressure_control.compensator import compensator_gains
 from pressure_control.controller import CONTROLLERS, ValveController
-from pressure_control.controller_states import INTEGRAL
 from pressure_control.linear_valve import linearise, simplified_response
 from pressure_control.schedule import scheduled_poles
+from pressure_control.state_places import INTEGRAL
 from steering_core.parameters import load_parameters
 from steering_plant.boost_curve import boost_pressure
 from steering_plant.measured_boost_curve import boost_table, read_boost_curve

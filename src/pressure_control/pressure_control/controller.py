@@ -11,15 +11,6 @@ from typing import Any
 import numpy as np
 
 from pressure_control.compensator import compensator_gains, desired_resonance
-from pressure_control.controller_states import (
-    ANSWER,
-    FILTERED,
-    INTEGRAL,
-    SLIP,
-    SPOOL_SEEN,
-    STATES,
-    TORQUE,
-)
 from pressure_control.limits import bounded
 from pressure_control.prediction import pending_answer
 from pressure_control.record import Side, controller_record
@@ -37,6 +28,15 @@ from pressure_control.schedule import (
 )
 from pressure_control.servo_controller import ServoValveController
 from pressure_control.stability import check_sampled_stability
+from pressure_control.state_places import (
+    ANSWER,
+    FILTERED,
+    INTEGRAL,
+    SLIP,
+    SPOOL_SEEN,
+    STATES,
+    TORQUE,
+)
 from steering_core.compiled import kernel
 from steering_core.parameters import ParameterSet
 from steering_plant.boost_curve import FORMULA

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pressure_control.controller_states import ANSWER, FILTERED, LONGEST
+from pressure_control.state_places import ANSWER, FILTERED, LONGEST
 from steering_core.compiled import kernel
 
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pressure_control.controller_states import LONGEST
 from pressure_control.errors import ControllerError
 from pressure_control.operating_point import SteeringPoint, steering_point
 from pressure_control.sampled_loop import spectral_radius
+from pressure_control.state_places import LONGEST
 from steering_core.parameters import ParameterError, ParameterSet
 from steering_core.ticks import TICK_PERIOD
 from steering_plant.boost_curve import FORMULA

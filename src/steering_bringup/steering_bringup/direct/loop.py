@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from driver_model.lead_lag import driver_step
 from pressure_control.controller import controller_step
-from pressure_control.controller_states import SPOOL_SEEN
 from pressure_control.load_force import load_force_step
 from pressure_control.overlay.arbiter import arbiter_step
 from pressure_control.overlay.sources import message_tick
+from pressure_control.state_places import SPOOL_SEEN
 from steering_bringup.lane_keeping.keeper import lane_keeper_step
 from steering_core.compiled import kernel
 from steering_plant.model.states import LEFT_VALVE as LEFT_VALVE_STATES

@@ -268,8 +268,8 @@ def _controller_arrays(controller: Any) -> tuple[np.ndarray, ...]:
 
 def _absent_controller() -> tuple[np.ndarray, ...]:
     """Return arrays of a controller's types for a loop that has none; they are never used."""
-    from pressure_control.controller_states import STATES
     from pressure_control.record import controller_record
+    from pressure_control.state_places import STATES
     from steering_plant.boost_curve import FORMULA
 
     return (controller_record(load_parameters(), "left"), FORMULA, np.zeros(STATES), np.zeros(2))

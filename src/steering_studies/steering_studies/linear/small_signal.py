@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pressure_control.controller import ValveController
-from pressure_control.controller_states import INTEGRAL
 from pressure_control.operating_point import steering_point
+from pressure_control.state_places import INTEGRAL
 from pressure_control.valve_static import holding_demand
 from steering_core.parameters import ParameterSet
 from steering_core.ticks import TICK_PERIOD
