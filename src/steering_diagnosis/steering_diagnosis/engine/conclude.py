@@ -23,6 +23,9 @@ from steering_diagnosis.engine.structure import (
 )
 from steering_diagnosis.report import Verdict
 
+LOUD = 2.0
+"""Structure this much over the noise is reported however small beside what is explained."""
+
 
 def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     """Judge the best model of a search and gather everything that a report needs."""
@@ -236,7 +239,7 @@ def _named_regions(
     found = []
     for s in left:
         share = float(np.clip(s.energy / max(before[s.output] - noise[s.output], s.energy), 0, 1))
-        if share >= least:
+        if share >= least or s.energy > LOUD * s.noise:
             output = remains.outputs[s.output]
             found.append(
                 Region(

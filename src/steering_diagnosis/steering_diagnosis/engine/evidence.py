@@ -15,7 +15,7 @@ from steering_diagnosis.engine.catalogue import scales
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.fit import Fit, Problem
 from steering_diagnosis.engine.intervals import covariance
-from steering_diagnosis.engine.noise import Noise, usable
+from steering_diagnosis.engine.noise import Noise, fit_noise, usable
 
 SURE = 2.0
 """Standard errors between an estimate and what would be no cause."""
@@ -41,6 +41,19 @@ class HeldOut:
             return fit.residual
         raw = self.runs.one(problem.book.call(fit.z, fit.values))
         return np.where(self.valid, raw, 0.0)
+
+    def gain(
+        self, problem: Problem, old: Noise, new: Noise, before: np.ndarray, after: np.ndarray
+    ) -> np.ndarray:
+        """Return the gain in twice the predictive log-likelihood of each block, (blocks,).
+
+        Another record has noise of its own, that of what the better model leaves there.
+        """
+        if self.runs is not None:
+            rows = usable(self.valid, new.order) & self.rows
+            density = self.runs.grid.density
+            old = new = fit_noise(after, rows, problem.floor, new.order, density)
+        return self.scores(old, before) - self.scores(new, after)
 
     def scores(self, noise: Noise, residual: np.ndarray) -> np.ndarray:
         """Return minus twice the predictive log-likelihood of each block, (blocks,)."""
@@ -110,7 +123,7 @@ def weigh(
     p = family_p(ratio, max(k, 1), trials)
     bic = -ratio + max(k, 1) * np.log(max(full.noise.count.max(), 2.0))
     before, after = held.residual(problem, without), held.residual(problem, full)
-    gain = held.scores(without.noise, before) - held.scores(full.noise, after)
+    gain = held.gain(problem, without.noise, full.noise, before, after)
     sigmas = certainty(gain)
     share, material = shares(held.energy(before), held.energy(after), floor)
     (cause,) = full.names - without.names
@@ -182,7 +195,9 @@ def shares(before: np.ndarray, after: np.ndarray, floor: np.ndarray) -> tuple[fl
     unit = np.maximum(least, 1e-300)
     above = np.maximum(before - least, 0.0) / unit
     gone = (before - after) / unit
-    overall = float(gone.sum() / max(above.sum(), 1e-12))
+    if above.sum() <= 0.0:
+        return 0.0, 0.0
+    overall = float(gone.sum() / above.sum())
     clear = above > 0.25
     best = float((gone[clear] / above[clear]).max()) if clear.any() else overall
     return overall, max(best, overall)

@@ -29,8 +29,8 @@ MOVED, TRADES, RENEWED = 1.5, 0.4, 4
 """Nuisances whose columns are renewed: moved so far, or correlated so much; at most so many."""
 SMALL = 0.5
 """Gain in twice the log-likelihood at which the iteration ends."""
-FURTHEST = 8.0
-"""A nuisance moves at most so many standard deviations."""
+FURTHEST = 2.0
+"""A nuisance stays within its tolerance, two standard deviations: beyond, it is a cause."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | Non
         columns = renew(problem, now)
         if stale and (values or k):
             nuisance = renew_nuisances(problem, now, columns, nuisance)
-        stale = k in (1, 4)
+        stale = k in (1, 4, 8)
         step_z, step_values, promised = gauss_newton(problem, now, columns, nuisance)
         now = Fit(now.z, now.values, now.residual, now.noise, now.misfit, columns)
         if promised < SMALL:

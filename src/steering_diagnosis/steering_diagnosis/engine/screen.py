@@ -13,12 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from steering_diagnosis.engine.catalogue import bounds
-from steering_diagnosis.engine.fit import Fit, Problem, assess, bounded, normal_equations
+from steering_diagnosis.engine.fit import FURTHEST, Fit, Problem, assess, bounded, normal_equations
 from steering_diagnosis.engine.noise import Noise
 from steering_diagnosis.engine.templates import Template
 
 PAIR_LEAD = 1.1
 """A pair has to beat the best single hypothesis by this factor."""
+FIXED = 1e9
+"""Prior weight of a nuisance that cannot move."""
 WIDE = 3.0
 """In the saturated model every template is free with this prior standard deviation."""
 
@@ -71,7 +73,7 @@ def screen(
         for i in np.argsort(-gains):
             best.setdefault(trials[i].hypothesis, int(i))
         chosen.update(dict.fromkeys(list(best.values())[: problem.settings.screened]))
-    scores = [_own_noise(problem, now, trials[i]) for i in chosen]
+    scores = [_own_noise(problem, now, trials[i], n) for i in chosen for n in noises]
     first: dict[str, Score] = {}
     for s in sorted(scores, key=lambda s: (-s.gain, s.hypothesis)):
         first.setdefault(s.hypothesis, s)
@@ -107,7 +109,7 @@ def pairs(
 
 def start_of(problem: Problem, now: Fit, trial: Template) -> Score:
     """Return the linear start of one template from a fit."""
-    return _own_noise(problem, now, trial)
+    return _own_noise(problem, now, trial, now.noise)
 
 
 def _stack(problem: Problem, now: Fit, trials: Sequence[Template]) -> np.ndarray:
@@ -122,9 +124,10 @@ def _projected(
     p = problem.nuisance.shape[-1]
     base = p + active_columns(state).shape[-1]
     gram, slope, _ = normal_equations(problem, state, columns)
-    gram[np.arange(p), np.arange(p)] += 1.0
+    # A nuisance at its tolerance's end explains no more.
+    gram[np.arange(p), np.arange(p)] += np.where(np.abs(state.z) > FURTHEST - 0.01, FIXED, 1.0)
     slope[:p] -= state.z
-    inner = gram[:base, :base] + 1e-9 * np.trace(gram[:base, :base]) / max(base, 1) * np.eye(base)
+    inner = gram[:base, :base] + 1e-12 * np.diag(np.diag(gram)[:base])
     solved = np.linalg.solve(inner, np.c_[gram[:base, base:], slope[:base]])
     gram_t = gram[base:, base:] - gram[base:, :base] @ solved[:, :-1]
     slope_t = slope[base:] - gram[base:, :base] @ solved[:, -1]
@@ -161,17 +164,21 @@ def _reach(problem: Problem, t: Template) -> tuple[np.ndarray, np.ndarray]:
     return np.minimum(a, b) - 1e-9, np.maximum(a, b) + 1e-9
 
 
-def _own_noise(problem: Problem, now: Fit, trial: Template) -> Score:
-    """Refit one template linearly, its noise included."""
+def _own_noise(problem: Problem, now: Fit, trial: Template, noise: Noise) -> Score:
+    """Refit one template linearly, its noise included, from a first idea of the noise.
+
+    Noise and error can share one residual in more than one way, so several are tried.
+    """
     columns = _stack(problem, now, [trial])
     p, k = problem.nuisance.shape[-1], len(trial.free)
     a = columns.shape[-1] - p - k
     reach = _reach(problem, trial)
-    low = np.r_[np.full(p + a, -np.inf), reach[0]]
-    high = np.r_[np.full(p + a, np.inf), reach[1]]
-    noise, best = now.noise, now
+    free = np.full(a, np.inf)
+    low = np.r_[-FURTHEST - now.z - 1e-9, -free, reach[0]]
+    high = np.r_[FURTHEST - now.z + 1e-9, free, reach[1]]
+    best = now
     x = np.zeros(columns.shape[-1])
-    for _ in range(2):
+    for _ in range(3):
         state = Fit(now.z, now.values, now.residual, noise, now.misfit)
         gram, slope, _ = normal_equations(problem, state, columns)
         gram[np.arange(p), np.arange(p)] += 1.0
@@ -182,4 +189,7 @@ def _own_noise(problem: Problem, now: Fit, trial: Template) -> Score:
     values = {n: v.copy() for n, v in now.values.items()}
     h = problem.book.hypotheses[trial.hypothesis]
     values[trial.hypothesis] = np.clip(trial.values(x[-k:]), *bounds(h))
-    return Score(trial.hypothesis, now.misfit - best.misfit, now.z + x[:p], values)
+    z = now.z + x[:p]
+    # The hypothesis carries what a nuisance at its tolerance's end stood in for.
+    z[[problem.book.index[n] for n in h.competes if n in problem.book.index]] = 0.0
+    return Score(trial.hypothesis, now.misfit - best.misfit, z, values)

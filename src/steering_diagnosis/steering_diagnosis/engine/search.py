@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
-from steering_diagnosis.engine.fit import SMALL, Fit, Problem, refit
+from steering_diagnosis.engine.fit import SMALL, Fit, Problem, gauss_newton, refit
 from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
 from steering_diagnosis.engine.templates import Template
 
@@ -37,10 +37,21 @@ class Search:
         self.fits[frozenset()] = self.null
         residual = saturated(self.problem, self.null, self.trials)
         self._noise = self.problem.noise(residual)
+        self._other_start()
         p = self.problem.settings.family_p
         self.critical = critical_ratio(p, len(self.trials))
         self._reduced: set[tuple[frozenset[str], str]] = set()
         self.floor = self._noise.rms**2
+
+    def _other_start(self) -> None:
+        """Refit the nominal model from the noise that the whole catalogue would leave as well."""
+        null = self.null
+        for noise in (self._noise, self._noise.white):
+            state = Fit(null.z, {}, null.residual, noise, null.misfit)
+            step, _, _ = gauss_newton(self.problem, state, {}, self.problem.nuisance)
+            other = refit(self.problem, null.z + step, {})
+            if other.misfit < self.null.misfit:
+                self.null = self.fits[frozenset()] = other
 
     def weigh(self, without: Fit, full: Fit) -> Evidence:
         """Weigh a model with one more cause."""
@@ -81,7 +92,7 @@ class Search:
     def scores(self, now: Fit) -> list[Score]:
         """Screen what may come next after a fit, once."""
         if now.names not in self.screened:
-            noises = [now.noise, self._noise]
+            noises = [now.noise, self._noise, self._noise.white]
             self.screened[now.names] = screen(self.problem, now, self.trials, noises)
         return self.screened[now.names]
 

@@ -31,7 +31,7 @@ class Settings:
     """Hypotheses that go on to the nonlinear refit."""
     beam: int = 2
     most_causes: int = 4
-    iterations: int = 6
+    iterations: int = 12
     shape_grid: tuple[float, ...] = (1.0, 0.4, 2.5)
     """Shape parameters are scanned at these multiples of their typical value."""
 

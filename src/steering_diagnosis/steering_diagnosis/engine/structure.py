@@ -83,10 +83,10 @@ def structures(remains: Remains) -> list[Structure]:
 
 
 def band(part: np.ndarray, step_s: float) -> tuple[float, float]:
-    """Return the band that holds the middle 80 % of a signal's energy [Hz]."""
+    """Return the band that holds the middle half of a signal's energy [Hz]."""
     f, power = signal.periodogram(part, 1.0 / step_s, detrend="constant")
     share = np.cumsum(power) / max(power.sum(), 1e-300)
-    return float(f[np.searchsorted(share, 0.1)]), float(f[np.searchsorted(share, 0.9)])
+    return float(f[np.searchsorted(share, 0.25)]), float(f[np.searchsorted(share, 0.75)])
 
 
 def region(part: np.ndarray, states: Mapping[str, np.ndarray]) -> str:

@@ -1,0 +1,1 @@
+"""A real electro-mechanical axis as a model for the engine: the EMPS benchmark."""

@@ -1,0 +1,71 @@
+"""The engine stays silent on specimens within tolerance, and answers the same wherever it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+from sled import record
+
+from steering_core.errors import BenchError
+from steering_diagnosis.engine.diagnose import diagnose
+from steering_diagnosis.engine.findings import Findings
+
+
+def _numbers(found: Findings) -> tuple[object, ...]:
+    causes = {c.hypothesis.name: dict(c.parameters) for c in found.causes}
+    return found.verdict, causes, dict(found.nuisances), found.largest_ratio
+
+
+@pytest.mark.parametrize("seed", [10, 11, 12, 13])
+def test_nothing_is_named_on_a_specimen_within_tolerance(seed: int) -> None:
+    found = diagnose(record(seed))
+    assert found.causes == ()
+    assert found.verdict == "clean"
+
+
+def test_two_causes_are_both_named() -> None:
+    found = diagnose(record(1, drag=500.0, position_delay=8e-3))
+    assert {c.hypothesis.name for c in found.causes} == {"drag", "position_delay"}
+
+
+def test_causes_with_the_same_trace_are_one_ambiguous_group() -> None:
+    """An offset of the load and a friction that depends on direction differ at standstill only."""
+    (cause,) = diagnose(record(1, load_offset=8.0)).causes
+    assert {cause.hypothesis.name, *cause.ambiguous_with} >= {"load_offset"}
+    assert cause.separating is None or cause.ambiguous_with
+
+
+def test_a_distributed_engine_gives_the_same_numbers() -> None:
+    """Dask's executor is a concurrent.futures.Executor; here on threads of this process."""
+    replay = record(3, 6.0, backlash=6e-4)
+    alone = diagnose(replay)
+    with (
+        LocalCluster(
+            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        spread = diagnose(replay, executor=client.get_executor())
+    assert _numbers(alone) == _numbers(spread)
+    assert np.array_equal(alone.residual_extended, spread.residual_extended)
+
+
+def test_ten_samples_are_refused() -> None:
+    with pytest.raises(BenchError, match="too few"):
+        diagnose(record(1, 0.01 + 0.05))
+
+
+def test_progress_ends_at_one() -> None:
+    told: list[float] = []
+
+    def tell(share: float, what: str) -> None:
+        del what
+        told.append(share)
+
+    found = diagnose(record(2, 5.0), progress=tell)
+    assert told[-1] == 1.0
+    assert all(0.0 <= share <= 1.0 for share in told)
+    assert isinstance(found.nuisances, Mapping)
