@@ -33,9 +33,17 @@ def test_two_causes_are_both_named() -> None:
 
 def test_causes_with_the_same_trace_are_one_ambiguous_group() -> None:
     """An offset of the load and a friction that depends on direction differ at standstill only."""
-    (cause,) = diagnose(record(1, load_offset=8.0)).causes
-    assert {cause.hypothesis.name, *cause.ambiguous_with} >= {"load_offset"}
-    assert cause.separating is None or cause.ambiguous_with
+    (cause,) = diagnose(record(2, load_offset=8.0)).causes
+    group = {cause.hypothesis.name, *cause.ambiguous_with}
+    assert group == {"load_offset", "friction_asymmetry"}
+    assert cause.separating is not None
+
+
+def test_a_phenomenon_in_no_catalogue_is_unexplained() -> None:
+    found = diagnose(record(1, ripple=8.0))
+    assert found.causes == ()
+    assert found.verdict == "unexplained"
+    assert {u.output for u in found.unexplained} <= {"position", "force", "speed"}
 
 
 def test_a_distributed_engine_gives_the_same_numbers() -> None:

@@ -130,6 +130,7 @@ class SledReplay:
 
     def states(self) -> Mapping[str, np.ndarray]:
         return {
+            "position": self.measured[:, 0],
             "drive": self.drive,
             "speed": np.gradient(signal.savgol_filter(self.drive, 51, 2), PERIOD_S),
             "load": self.load,

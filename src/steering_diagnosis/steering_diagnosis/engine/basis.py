@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import BSpline
 
-KNOTS = 16
+KNOTS = 40
 COARSE = 5
 LAGS = (1, 2, 4, 8)
 DEGREE = 2

@@ -88,13 +88,13 @@ class Evidence:
 
 @cache
 def calibration() -> dict[str, Any]:
-    """Return the family-wise calibration on clean records (``calibrate.py`` makes it)."""
+    """Return the family-wise calibration; ``source`` says what it was made of."""
     text = resources.files("steering_diagnosis.engine").joinpath("calibration.json").read_text()
     return dict(json.loads(text))
 
 
 def family_p(ratio: float, parameters: int, trials: int) -> float:
-    """Return the family-wise p-value of a likelihood ratio, calibrated on clean records."""
+    """Return the family-wise p-value of a likelihood ratio, inflated by the calibration."""
     inflation = float(calibration()["inflation"])
     single = stats.chi2.sf(max(ratio, 0.0) / inflation, parameters)
     return float(-np.expm1(trials * np.log1p(-min(single, 1.0 - 1e-16))))

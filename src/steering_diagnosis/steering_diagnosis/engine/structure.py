@@ -1,8 +1,9 @@
 """What remains: is it noise, or structure that no hypothesis explains?
 
-Two tests on whitened residuals, so that coloured noise and slow drift are no structure: smooth
-functions of the states that predict blocks which took no part in their fit, and energy that comes
-and goes with the excitation. Both ask for significance and for a visible size.
+Three tests on whitened residuals, so that coloured noise and slow drift are no structure: smooth
+functions of the states that predict blocks which took no part in their fit, errors that several
+outputs share, and energy that comes and goes with the excitation. All ask for significance and
+for a visible size.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ VISIBLE = 0.3
 """Predictable energy over the noise's from which structure is visible."""
 SCATTER = 5.0
 """Structure is visible from so many resolutions: a tenth of what the tolerances scatter."""
+SHARED_SCATTER = 15.0
+"""An error that outputs share counts from so many resolutions: a third of the scatter."""
+SHIFTS = (-2, -1, 0, 1, 2)
 BURSTS = 3.0
 """Mean energy over the quiet quarter's from which energy is not stationary."""
 
@@ -76,7 +80,9 @@ def structures(remains: Remains) -> list[Structure]:
     found = []
     for j in range(len(remains.outputs)):
         if usable(remains.valid, remains.order)[:, j].sum() > 20 * remains.order:
-            structure = _predictable(remains, functions, j) or _bursts(remains, j)
+            structure = (
+                _predictable(remains, functions, j) or _common(remains, j) or _bursts(remains, j)
+            )
             if structure is not None:
                 found.append(structure)
     return found
@@ -150,6 +156,23 @@ def _predictable(
     if sigmas < SIGMAS or before - after < _least(remains, after, j):
         return None
     return Structure(j, before - after, after, part, "predictable", "")
+
+
+def _common(remains: Remains, j: int) -> Structure | None:
+    """Find an error that several outputs share: sensors' noise is each one's own.
+
+    It has to be large against the tolerances' scatter, because an input's noise is shared as well.
+    """
+    before = _mean_square(remains, remains.residual[:, j], j)
+    others = [i for i in range(remains.residual.shape[1]) if i != j]
+    if before < (SHARED_SCATTER * remains.floor[j]) ** 2 or not others:
+        return None
+    shifted = [np.roll(remains.residual[:, others], k, axis=0) for k in SHIFTS]
+    part, sigmas = _cross_validated(remains, np.concatenate(shifted, axis=1), j)
+    after = _mean_square(remains, remains.residual[:, j] - part, j)
+    if sigmas < SIGMAS or after > 0.5 * before:
+        return None
+    return Structure(j, before - after, after, part, "common", "")
 
 
 def _bursts(remains: Remains, j: int) -> Structure | None:
