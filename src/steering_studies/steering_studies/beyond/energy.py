@@ -75,7 +75,7 @@ def powers(part: str, parameters: dict[str, float], drives: Drives) -> dict[str,
     """Return system to mean power in one part of the cycle."""
     document = PARTS[part][1]
     hydraulic = {
-        system: _mean_power(document, system, parameters)
+        system: mean_power(document, system, parameters)
         for system in ("open_centre", "closed_centre")
     }
     force, speed = _assistance(document, parameters)
@@ -100,7 +100,8 @@ def _scenario(document: dict[str, Any], system: str, parameters: dict[str, float
     )  # fmt: skip
 
 
-def _mean_power(document: dict[str, Any], system: str, parameters: dict[str, float]) -> float:
+def mean_power(document: dict[str, Any], system: str, parameters: dict[str, float]) -> float:
+    """Return the mean hydraulic power [W] that a valve system takes from its supply."""
     scenario = _scenario(document, system, parameters)
     cores = build_cores(scenario, load_node_set(system))
     run(cores, scenario.ticks)
@@ -174,8 +175,7 @@ def answer(parameters: dict[str, float]) -> Answer:
 def _over_cycle(supply_bar: float, parameters: dict[str, float]) -> float:
     changed = {**parameters, "closed_centre.supply_pressure": supply_bar * 1e5}
     return sum(
-        share * _mean_power(document, "closed_centre", changed)
-        for share, document in PARTS.values()
+        share * mean_power(document, "closed_centre", changed) for share, document in PARTS.values()
     )
 
 

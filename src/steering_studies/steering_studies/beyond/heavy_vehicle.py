@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from steering_bringup.pages import Axes, Curve, Figure
-from steering_core.parameters import load_parameters
+from steering_core.parameters import ParameterSet, load_parameters
 from steering_plant.boost_curve import FORMULA, static_pressures
 from steering_plant.plant import plant_record
 from steering_studies.beyond.study import Answer, Study, Table, simulate
@@ -34,9 +34,7 @@ PARKING: dict[str, Any] = {
 def answer(parameters: dict[str, float]) -> Answer:
     """Compare both valve systems on the heavy vehicle's set."""
     sheet = load_parameters(SET).with_values(parameters)
-    torque = np.linspace(-10.0, 10.0, 201)
-    p = plant_record(sheet, "open_centre")[0]
-    boost = np.array([np.subtract(*static_pressures(p, FORMULA, t, 0.0)) for t in torque])
+    torque, boost = boost_curve(sheet)
     driving, parking = (_compared(document, parameters) for document in (DRIVING, PARKING))
     at_ten = float(abs(boost[-1]))
     return Answer(
@@ -67,6 +65,14 @@ def answer(parameters: dict[str, float]) -> Answer:
             )
         ],
     )
+
+
+def boost_curve(parameters: ParameterSet) -> tuple[np.ndarray, np.ndarray]:
+    """Return torque [N m] from -10 to 10 and static load pressure [Pa], (201,) each."""
+    torque = np.linspace(-10.0, 10.0, 201)
+    p = plant_record(parameters, "open_centre")[0]
+    boost = np.array([np.subtract(*static_pressures(p, FORMULA, t, 0.0)) for t in torque])
+    return torque, boost
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 
@@ -12,7 +13,8 @@ WORDS = {"reproduced": "reproduced", "differs": "differ", "shape only": "have no
 
 
 def reproduction_page(rows: Sequence[Row]) -> Page:
-    """Return the page."""
+    """Return the page, in the order of the source; what is no figure of the source comes last."""
+    rows = sorted(rows, key=_place)
     counts = Counter(str(row.verdict) for row in rows)
     told = ", ".join(f"{counts[key]} {word}" for key, word in WORDS.items() if counts[key])
     page = Page(
@@ -37,6 +39,12 @@ def reproduction_page(rows: Sequence[Row]) -> Page:
         if not row.figures:
             page.add(paragraph("Numbers only."))
     return page
+
+
+def _place(row: Row) -> tuple[int, ...]:
+    """Return the numbers of the row's first figure: "8.2, 8.3" is (8, 2)."""
+    found = re.match(r"(\d+)\.(\d+)", row.figure)
+    return tuple(int(part) for part in found.groups()) if found else (1000,)
 
 
 HEAD = ("Figure", "Number", "Unit", "Source", "Ours", "Tolerance", "Verdict")

@@ -7,12 +7,20 @@ from concurrent.futures import Executor
 
 from steering_bringup.errors import BenchError
 from steering_core.naming import unknown
-from steering_studies.reproduce import rig, servo, valve
+from steering_studies.reproduce import (
+    energy,
+    open_centre,
+    results,
+    rig,
+    servo,
+    steering_loop,
+    valve,
+)
 from steering_studies.reproduce.row import Maker, Row
 
 ROWS: dict[str, Maker] = {
     f"{module.__name__.rsplit('.', 1)[-1]}.{maker.__name__}": maker
-    for module in (rig, valve, servo)
+    for module in (rig, open_centre, valve, steering_loop, servo, results, energy)
     for maker in module.ROWS
 }
 """Row's name to what makes it. A new module of rows is registered here, and only here."""
