@@ -41,7 +41,7 @@ def execute(options: argparse.Namespace) -> int:
     folder = options.out or free_folder(Path("results"), "reproduction")
     page = reproduction_page(rows).write(folder / "reproduction.html")
     for row in rows:
-        print(f"fig {row.figure:12} {row.verdict:11} {row.title}")
+        print(f"{row.name:16} {row.verdict:11} {row.title}")
         for number in row.numbers:
             if number.good is False:
                 print(f"    {number.what}: {number.ours:.3g} {number.unit}, "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 
@@ -13,8 +12,7 @@ WORDS = {"reproduced": "reproduced", "differs": "differ", "shape only": "have no
 
 
 def reproduction_page(rows: Sequence[Row]) -> Page:
-    """Return the page, in the order of the source; what is no figure of the source comes last."""
-    rows = sorted(rows, key=_place)
+    """Return the page."""
     counts = Counter(str(row.verdict) for row in rows)
     told = ", ".join(f"{counts[key]} {word}" for key, word in WORDS.items() if counts[key])
     page = Page(
@@ -33,18 +31,12 @@ def reproduction_page(rows: Sequence[Row]) -> Page:
     )
     page.add(table(HEAD, [line for row in rows for line in _lines(row)], left_columns=2))
     for row in rows:
-        page.heading(f"Figure {row.figure}: {row.title}", row.sentence())
+        page.heading(f"{row.name.capitalize()}: {row.title}", row.sentence())
         for figure in row.figures:
             page.add(figure)
         if not row.figures:
             page.add(paragraph("Numbers only."))
     return page
-
-
-def _place(row: Row) -> tuple[int, ...]:
-    """Return the numbers of the row's first figure: "8.2, 8.3" is (8, 2)."""
-    found = re.match(r"(\d+)\.(\d+)", row.figure)
-    return tuple(int(part) for part in found.groups()) if found else (1000,)
 
 
 HEAD = ("Figure", "Number", "Unit", "Source", "Ours", "Tolerance", "Verdict")

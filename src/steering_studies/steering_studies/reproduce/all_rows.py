@@ -31,7 +31,10 @@ def make(
     executor: Executor | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> list[Row]:
-    """Return the rows called ``names``, all by default. BenchError names an unknown one."""
+    """Return the rows called ``names``, all by default, in the order of the source.
+
+    BenchError names an unknown one.
+    """
     chosen = list(names) or list(ROWS)
     for name in chosen:
         if name not in ROWS:
@@ -42,7 +45,7 @@ def make(
         rows.append(row)
         if progress is not None:
             progress(done / len(chosen), row.figure)
-    return rows
+    return sorted(rows, key=lambda row: row.place)
 
 
 def _make(name: str) -> Row:

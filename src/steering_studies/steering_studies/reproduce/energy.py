@@ -33,7 +33,7 @@ def energy() -> Row:
     ]  # fmt: skip
     return Row(
         "energy",
-        "Mean hydraulic power (numbers beside ours: an earlier model's, not the source's)",
+        "Mean hydraulic power; the numbers beside ours are an earlier model's",
         [
             Number("on-centre cycle, open centre", "W", 239.0, opened),
             *(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -45,10 +46,10 @@ class Number:
         if self.source is None:
             return None
         if self.sense == "at most":
-            return self.ours <= self.source + self.tolerance
+            return bool(self.ours <= self.source + self.tolerance)
         if self.sense == "at least":
-            return self.ours >= self.source - self.tolerance
-        return abs(self.ours - self.source) <= self.tolerance
+            return bool(self.ours >= self.source - self.tolerance)
+        return bool(abs(self.ours - self.source) <= self.tolerance)
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,6 +65,17 @@ class Row:
     figures: Sequence[Figure] = field(default_factory=tuple)
     words: str = ""
     because: str = ""
+
+    @property
+    def name(self) -> str:
+        """The figure's name; a row that is none of the source's has no number."""
+        return f"fig {self.figure}" if self.figure[0].isdigit() else self.figure
+
+    @property
+    def place(self) -> tuple[int, ...]:
+        """Order in the source: "8.2, 8.3" is (8, 2); what is no figure of it comes last."""
+        found = re.match(r"(\d+)\.(\d+)", self.figure)
+        return tuple(int(part) for part in found.groups()) if found else (1000,)
 
     @property
     def verdict(self) -> Verdict:
