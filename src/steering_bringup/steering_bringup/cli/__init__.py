@@ -31,6 +31,7 @@ COMMANDS = {
     "study": "questions beyond the source: energy, heavy vehicle, ...; each on one page",
     "reproduce": "every figure of the source, with its numbers beside ours",
     "diagnose": "what the simulation gets wrong on a record, the cause, the extended model",
+    "diagnose-emps": "the diagnosis of a public benchmark's real axis",
     "plan": "the experiment that separates what a diagnosis could not",
     "linear": "Bode plots, margins, chattering, lag, latency and tolerances of valves and steering",
     "bench": "measure speed and accuracy against the targets",
@@ -46,6 +47,7 @@ PACKAGES: dict[str, str] = {
     "study": "steering_studies",
     "reproduce": "steering_studies",
     "diagnose": "steering_diagnosis",
+    "diagnose-emps": "steering_diagnosis",
     "plan": "steering_diagnosis",
 }
 """Packages above this one whose ``cli`` folder holds the command's module; others are here."""

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 KNOTS = 40
-COARSE = 5
+COARSE, FINE = 5, 72
 LAGS = (1, 2, 4, 8)
 DEGREE = 2
 
@@ -22,6 +22,12 @@ def single(x: np.ndarray) -> np.ndarray:
     scaled = (x - x.mean()) / x.std()
     lagged = [np.r_[np.zeros(k), scaled[k:] - scaled[:-k]] for k in LAGS]
     return np.c_[splines(x, knots(x, KNOTS)), np.stack(lagged, axis=-1)]
+
+
+def repeated(x: np.ndarray) -> np.ndarray:
+    """Return fine, evenly spaced splines in a state, (n, k): for what repeats along it."""
+    even = np.linspace(x.min(), x.max(), FINE + 1)
+    return splines(x, np.r_[[even[0]] * DEGREE, even, [even[-1]] * DEGREE])
 
 
 def product(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -12,6 +12,10 @@ import numpy as np
 
 from steering_diagnosis.engine.kernels.whitening import whiten
 
+WHITE_SHARE = 0.05
+"""Of a residual's energy that is always taken as white. It bounds what whitening takes out of slow
+errors: a constant offset would else be noise with a root near one, and explain itself away."""
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -75,10 +79,12 @@ def fit_noise(
         if len(index) <= 4 * order:
             continue
         lags = residual[index[:, None] - np.arange(order + 1), j]
-        moments = lags.T @ lags / len(index) + floor[j] ** 2 * np.eye(order + 1)
+        moments = lags.T @ lags / len(index)
+        white = max(floor[j] ** 2, WHITE_SHARE * moments[0, 0])
+        moments += white * np.eye(order + 1)
         a = np.linalg.solve(moments[1:, 1:], moments[1:, 0])
         coefficients[j] = a
-        sd[j] = np.sqrt(max(moments[0, 0] - a @ moments[1:, 0], 0.5 * floor[j] ** 2))
+        sd[j] = np.sqrt(max(moments[0, 0] - a @ moments[1:, 0], 0.5 * white))
         count[j] = density * len(index)
         rms[j] = np.sqrt(moments[0, 0])
     return Noise(coefficients, sd, count, rms)

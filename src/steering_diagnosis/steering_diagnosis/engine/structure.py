@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 from scipy import signal, stats
 
-from steering_diagnosis.engine.basis import knots, product, single, splines, usable_state
+from steering_diagnosis.engine.basis import knots, product, repeated, single, splines, usable_state
 from steering_diagnosis.engine.evidence import certainty
 from steering_diagnosis.engine.model import Output
 from steering_diagnosis.engine.noise import Noise, fit_noise, usable
@@ -77,6 +77,8 @@ def structures(remains: Remains) -> list[Structure]:
     """Return the structure in each output, where there is any."""
     states = {n: usable_state(x) for n, x in remains.states.items()}
     functions = {n: (x, single(x)) for n, x in states.items() if x is not None}
+    # What repeats along a state, as a worn screw or tooth does, is finer than a smooth curve.
+    functions |= {f"{n}, fine": (x, repeated(x)) for n, (x, _) in tuple(functions.items())}
     found = []
     for j in range(len(remains.outputs)):
         if usable(remains.valid, remains.order)[:, j].sum() > 20 * remains.order:
