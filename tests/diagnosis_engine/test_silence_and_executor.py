@@ -37,7 +37,7 @@ def test_causes_with_the_same_trace_are_one_ambiguous_group() -> None:
     group = {cause.hypothesis.name, *cause.ambiguous_with}
     assert "load_offset" in group
     assert group <= {"load_offset", "friction_asymmetry"}
-    assert cause.separating is not None
+    assert (cause.separating is None) == (not cause.ambiguous_with)
 
 
 def test_a_phenomenon_in_no_catalogue_is_unexplained() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import vehicle_model.model.step as nominal_step
-from pressure_control import controller_states, servo_controller
+from pressure_control import servo_controller, state_places
 from steering_bringup.direct import loop
 from steering_core import specialise
 from steering_plant.effects import EFFECTS
@@ -37,7 +37,7 @@ def test_another_module_whose_name_begins_alike_is_left_alone() -> None:
     other = "pressure_control.servo_controller"
     made = specialise.specialised_module(loop, {"pressure_control.controller": other})
     assert made.controller_step is servo_controller.controller_step
-    assert made.SPOOL_SEEN == controller_states.SPOOL_SEEN
+    assert made.SPOOL_SEEN == state_places.SPOOL_SEEN
 
 
 def _effect(**changes: object) -> Effect:
