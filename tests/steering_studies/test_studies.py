@@ -1,5 +1,6 @@
 """Studies beyond the source: answers that must hold, and the command that gives them."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -7,11 +8,19 @@ import pytest
 
 from steering_bringup.cli import main
 from steering_core.parameters import load_parameters
-from steering_studies.beyond import end_of_stroke, energy, heavy_vehicle, losses, sensorless
+from steering_studies.beyond import (
+    end_of_stroke,
+    energy,
+    heavy_vehicle,
+    losses,
+    sensorless,
+    two_stage,
+)
 from steering_studies.beyond.all_studies import STUDIES
 from steering_studies.beyond.loop import closed_loop
 from steering_studies.beyond.study import simulate
 from steering_studies.beyond.supply_unit import SupplyUnit
+from steering_studies.beyond.two_stage_valve import MainStage, TwoStageValve
 from steering_studies.pages.study import study_page
 
 
@@ -95,3 +104,31 @@ def test_the_oil_spring_stiffens_towards_the_stroke_s_end():
     calm, _ = end_of_stroke.ripple(530.0, 200.0, {})
     rough, _ = end_of_stroke.ripple(530.0, 700.0, {})
     assert calm < 0.1e5 < rough
+
+
+def test_the_second_stage_s_loop_is_what_its_sizes_say():
+    """The closed form of the module's docstring against the nonlinear rates, linearised."""
+    sheet = load_parameters()
+    valve, hertz = TwoStageValve(sheet), np.array([10.0, 30.0, 100.0])
+    y = valve.run(valve.rest(60e5), 60e5, 4.0 / 6e4, 0.35)[1]
+    w, s = valve.corners(y, 60e5, 4.0 / 6e4), 2j * np.pi * hertz
+    spool = 1.0 / (1.0 + 2.0 * 0.8 * s / w.spool + (s / w.spool) ** 2)
+    simple = w.crossover / (s + w.load) * (1.0 + w.integral / s) * spool
+    ratio = simple / valve.loop_gain(y, 60e5, 4.0 / 6e4, hertz)
+    assert np.all(np.abs(20.0 * np.log10(np.abs(ratio))) < 1.5)
+    assert np.all(np.abs(np.degrees(np.angle(ratio))) < 12.0)
+
+
+def test_two_stages_hold_the_pressure_where_one_gives_way():
+    made = two_stage.held(load_parameters(), 60e5, np.array([-2e-4, 0.0, 2e-4]), MainStage())
+    assert made.worst(made.double) < 1e5
+    assert made.worst(made.single) > 30e5
+    assert min(m.phase for m in made.margins) > 45.0
+    assert min(m.gain for m in made.margins) > 2.0
+
+
+def test_too_small_a_pilot_volume_takes_the_margin_away():
+    """The guard of the sizing rule w_i < w_c: ten times the integral corner swings."""
+    small = replace(MainStage(), pilot_volume=1e-6)
+    made = two_stage.held(load_parameters(), 60e5, np.array([2e-4]), small)
+    assert np.isnan(made.double[0]) or made.margins[0].phase < 20.0

@@ -45,7 +45,8 @@ class Curve:
 class Axes:
     """One plot. Titles carry the unit. limits: dotted lines at these values of y.
 
-    link: axes of a figure with the same link zoom together in x.
+    link: axes of a figure with the same link zoom together in x. x_names: what stands at 0, 1, 2
+    and so on in place of the numbers.
     """
 
     x_title: str
@@ -56,6 +57,8 @@ class Axes:
     y_range: tuple[float, float] | None = None
     link: str = ""
     log_x: bool = False
+    log_y: bool = False
+    x_names: tuple[str, ...] = ()
 
 
 @dataclass
@@ -122,6 +125,11 @@ class Figure:
         vertical = axis(axes.y_title) | {"domain": list(spans[1]), "anchor": f"x{suffix}"}
         if axes.log_x:
             horizontal["type"] = "log"
+        if axes.log_y:
+            vertical["type"] = "log"
+        if axes.x_names:
+            horizontal["tickvals"] = list(range(len(axes.x_names)))
+            horizontal["ticktext"] = list(axes.x_names)
         if axes.link and axes.link in places:
             horizontal["matches"] = places[axes.link]
         elif axes.link:

@@ -10,6 +10,7 @@ from steering_studies.beyond import (
     sensorless,
     solenoid,
     supply_unit,
+    two_stage,
 )
 from steering_studies.beyond.study import Study
 
@@ -23,5 +24,6 @@ STUDIES: dict[str, Study] = {
         losses,
         heavy_vehicle,
         sensorless,
+        two_stage,
     )
 }

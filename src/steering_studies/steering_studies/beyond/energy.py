@@ -130,17 +130,19 @@ def answer(parameters: dict[str, float]) -> Answer:
         )
         for name in systems
     }
+    shares = {part: share for part, (share, _) in PARTS.items()} | {"whole cycle": 1.0}
+    every = found | {"whole cycle": mean}
     lines = [
-        (part, f"{100.0 * share:.0f} %", *(f"{found[part][s].gear:.1f}" for s in systems),
-         *(f"{found[part][s].engine:.1f}" for s in systems))
-        for part, (share, _) in PARTS.items()
-    ]  # fmt: skip
-    lines.append(
-        ("whole cycle", "100 %", *(f"{mean[s].gear:.1f}" for s in systems),
-         *(f"{mean[s].engine:.1f}" for s in systems))
-    )  # fmt: skip
-    head = ("Part", "Share", *(f"{s}, gear [W]" for s in systems),
-            *(f"{s}, engine [W]" for s in systems))  # fmt: skip
+        (
+            part,
+            f"{100.0 * share:.0f} %",
+            *(f"{every[part][s].gear:.1f}" for s in systems),
+            *(f"{every[part][s].engine:.1f}" for s in systems),
+        )
+        for part, share in shares.items()
+    ]
+    places = [(place, s) for place in ("gear", "engine") for s in systems]
+    head = ("Part", "Share", *(f"At the {place}, {system} [W]" for place, system in places))
     supplies = [(bar, _over_cycle(bar, parameters)) for bar in (200.0, 150.0, 120.0)]
     ratio = mean["closed centre"].engine / mean["open centre"].engine
     return Answer(
@@ -188,15 +190,13 @@ def _figure(found: dict[str, dict[str, Power]], systems: list[str]) -> Figure:
             np.array([found[part][system].engine for part in found]),
             system,
             colours[k],
-            mode="lines+markers",
+            mode="markers",
             over_time=False,
         )
         for k, system in enumerate(systems)
     ]
-    names = ", ".join(f"{k}: {part}" for k, part in enumerate(found))
-    return Figure(
-        "Power at the engine", [[Axes(f"part of the cycle ({names})", "power [W]", curves)]]
-    )
+    axes = Axes("part of the cycle", "power [W]", curves, x_names=tuple(found), log_y=True)
+    return Figure("Mean power at the engine's shaft", [[axes]])
 
 
 STUDY = Study(

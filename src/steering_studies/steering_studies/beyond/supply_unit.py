@@ -104,15 +104,15 @@ def answer(parameters: dict[str, float]) -> Answer:
             "torque_difference_Nm": torque,
         }
         rows.append(
-            (name, f"{pressures.min() * 1e-5:.0f}", f"{100 * charging:.0f} %", f"{power:.0f}",
+            (name, f"{pressures.min() * 1e-5:.1f}", f"{100 * charging:.0f} %", f"{power:.0f}",
              f"{torque:.3f}")
         )  # fmt: skip
         curves[name] = (fed.time, pressures * 1e-5)
     worst = max(found["torque_difference_Nm"] for found in numbers.values())
     lowest = min(found["lowest_supply_Pa"] for found in numbers.values())
     return Answer(
-        f"A 3 l/min pump with a 0.5 l accumulator keeps the supply above {lowest * 1e-5:.0f} bar "
-        f"in all cycles; the driver feels at most {worst:.2f} N m of it.",
+        f"With a 3 l/min pump and a 0.5 l accumulator the supply falls no lower than "
+        f"{lowest * 1e-5:.1f} bar; the driver feels at most {worst:.2f} N m of it.",
         numbers,
         [over_time("Supply pressure", {"supply pressure [bar]": curves}, 320)],
         [

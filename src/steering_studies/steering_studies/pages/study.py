@@ -1,9 +1,12 @@
-"""The page of a study: answer, tables, figures."""
+"""The page of a study: answer, tables, figures, notes."""
 
 from __future__ import annotations
 
-from steering_bringup.pages import Page, paragraph, table
+from steering_bringup.pages import Page, folded, paragraph, table
 from steering_studies.beyond.study import Answer, Study
+
+LONG = 15
+"""Rows beyond which a table comes last, folded."""
 
 
 def study_page(study: Study, answer: Answer) -> Page:
@@ -14,10 +17,14 @@ def study_page(study: Study, answer: Answer) -> Page:
         lead=answer.sentence,
         footer="This page needs no network.",
     )
-    for made in answer.tables:
+    short = [made for made in answer.tables if len(made.rows) <= LONG]
+    for made in short:
         page.add(table(made.head, made.rows))
     for figure in answer.figures:
         page.add(figure)
+    for made in answer.tables:
+        if made not in short:
+            page.add(folded(f"{made.head[0]}: {len(made.rows)}", table(made.head, made.rows)))
     for note in answer.notes:
         page.add(paragraph(note, "note"))
     return page
