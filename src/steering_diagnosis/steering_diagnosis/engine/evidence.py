@@ -68,6 +68,10 @@ class HeldOut:
         return np.where(rows, residual**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1)
 
 
+ALIKE = 0.9
+"""A nuisance expresses a hypothesis from this cosine of their whitened traces."""
+
+
 @dataclass(frozen=True)
 class Evidence:
     """What speaks for a cause.
@@ -130,6 +134,8 @@ def weigh(
     beyond, size = size_of(problem, full, cause)
     first = not without.values
     least = s.least_share if first else s.least_share_next
+    if problem.book.nuisance_of(cause) is not None:
+        least = max(least, s.least_share_parameter)
     reasons = [
         (p > s.family_p, f"not significant over the catalogue (p = {p:.2g})"),
         (bic > -STRONG, f"the information criterion is against it ({bic:+.1f})"),
@@ -137,6 +143,7 @@ def weigh(
         (material < least, f"removes only {material:.0%} of the error above the noise"),
         (size < s.least_size, f"too small to be seen ({size:.0%} of a visible size)"),
         (not beyond, "its interval reaches into what the tolerances allow"),
+        (at_bound(problem, full, cause), "its estimate runs to the end of its bounds"),
     ]
     why = next((text for failed, text in reasons if failed), "")
     return Evidence(ratio, p, float(bic), sigmas, share, material, why)
@@ -162,6 +169,16 @@ def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
     return least > _tolerated(problem, full, cause, k), float(abs(unit[k]))
 
 
+def at_bound(problem: Problem, full: Fit, cause: str) -> bool:
+    """Return whether a parameter of a cause, shapes aside, stands at its bound."""
+    for p, value in zip(problem.book.hypotheses[cause].parameters, full.values[cause], strict=True):
+        margin = 1e-3 * (p.high - p.low)
+        away = abs(value - p.neutral) > margin
+        if not p.shape and away and not p.low + margin < value < p.high - margin:
+            return True
+    return False
+
+
 def _tolerated(problem: Problem, full: Fit, cause: str, k: int) -> float:
     """Return the size [typical sizes] that the competing nuisances express within tolerance."""
     h = problem.book.hypotheses[cause]
@@ -170,8 +187,11 @@ def _tolerated(problem: Problem, full: Fit, cause: str, k: int) -> float:
     reach = 0.0
     for name in h.competes:
         if name in problem.book.index and column @ column > 0.0:
-            one = full.noise.whiten(problem.nuisance[..., problem.book.index[name]]) * weights
-            reach += 2.0 * abs(float(one.ravel() @ column) / float(column @ column))
+            whole = problem.nuisance[..., problem.book.index[name]]
+            one = (full.noise.whiten(whole) * weights).ravel()
+            alike = abs(float(one @ column)) / float(np.linalg.norm(one) * np.linalg.norm(column))
+            if alike > ALIKE:
+                reach += 2.0 * abs(float(one @ column) / float(column @ column))
     return reach
 
 

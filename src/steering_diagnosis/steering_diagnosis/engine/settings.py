@@ -44,9 +44,13 @@ class Settings:
     """Of the error energy above the noise that a cause has to remove on held-out blocks."""
     least_share_next: float = 0.35
     """The same for a further cause, of what the others leave."""
+    least_share_parameter: float = 0.5
+    """The same where the cause is a nominal parameter that no effect covers."""
+    least_next: float = 0.05
+    """Likelihood ratio of a further cause over the largest one's, at least."""
     least_size: float = 0.2
     """Of a hypothesis's visible (typical) size; smaller ones are not named."""
-    least_explained: float = 0.55
+    least_explained: float = 0.45
     """Share that all causes together have to explain, else nothing is named."""
     held_out_sigmas: float = 1.7
     """The held-out gain has to exceed so many of its standard errors."""

@@ -56,19 +56,25 @@ def templates(
         if book.nuisance_of(h.name) is None
         for start, free in _trials(h, grid)
     ]
+    steps = [
+        (h, start, free, sign * _unit(h, free))
+        for h, start, free in trials
+        for sign in (1.0, -1.0)
+        if sign > 0.0 or _signed(h, start, free)
+    ]
     none = np.zeros(len(book.nuisances))
     calls = []
-    for h, start, free in trials:
-        for i in free:
+    for h, start, free, unit in steps:
+        for i, step in zip(free, unit, strict=True):
             value = start.copy()
-            value[i] = h.parameters[i].typical
+            value[i] += step
             calls.append(book.call(none, {h.name: value}))
     answers = iter(runs.many(calls))
-    found = []
-    for h, start, free in trials:
-        unit = np.array([h.parameters[i].typical - h.parameters[i].neutral for i in free])
+    found: list[Template] = []
+    for h, start, free, unit in steps:
         columns = np.stack([next(answers) - base for _ in free], axis=-1)
-        found.append(Template(h.name, start, free, unit, columns))
+        if unit[0] * _unit(h, free)[0] > 0.0 or not _mirrors(found[-1].columns, columns):
+            found.append(Template(h.name, start, free, unit, columns))
     for h in book.hypotheses.values():
         name = book.nuisance_of(h.name)
         if name is not None:
@@ -79,6 +85,25 @@ def templates(
                 Template(h.name, np.array([h.parameters[0].neutral], float), (0,), unit, columns)
             )
     return found
+
+
+def _unit(h: Hypothesis, free: tuple[int, ...]) -> np.ndarray:
+    return np.array([h.parameters[i].typical - h.parameters[i].neutral for i in free])
+
+
+def _signed(h: Hypothesis, start: np.ndarray, free: tuple[int, ...]) -> bool:
+    """Return whether the typical size may also be taken the other way."""
+    back = start[list(free)] - _unit(h, free)
+    low = np.array([h.parameters[i].low for i in free])
+    high = np.array([h.parameters[i].high for i in free])
+    return bool(np.all((back >= low) & (back <= high)))
+
+
+def _mirrors(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether the other way round is the same with the sign changed, to a tenth."""
+    known = np.isfinite(one) & np.isfinite(other)
+    size = np.sum(one[known] ** 2) + np.sum(other[known] ** 2)
+    return bool(np.sum((one + other)[known] ** 2) < 0.02 * size)
 
 
 def _trials(h: Hypothesis, grid: Sequence[float]) -> list[tuple[np.ndarray, tuple[int, ...]]]:
