@@ -50,6 +50,11 @@ def _cells(number: Number) -> tuple[str, ...]:
     source = "not printed" if number.source is None else f"{number.source:g}"
     if number.source is not None and number.sense != "is":
         source = f"{number.sense} {source}"
-    tolerance = "" if number.source is None else f"{number.tolerance:.2g}"
+    tolerance = "" if number.source is None else _text(number.tolerance, 2)
     verdict = {True: "met", False: "not met", None: ""}[number.good]
-    return (number.what, number.unit, source, f"{number.ours:.3g}", tolerance, verdict)
+    return (number.what, number.unit, source, _text(number.ours, 3), tolerance, verdict)
+
+
+def _text(value: float, digits: int) -> str:
+    """Return a number without an exponent where it is large."""
+    return f"{value:.0f}" if abs(value) >= 10.0**digits else f"{value:.{digits}g}"

@@ -43,8 +43,8 @@ def heavy_vehicle_boost_curve() -> Row:
             ),
         ],
         [Figure("Boost curve", [[axes]])],
-        words="Flat on centre, steep when parking. The set was made to reach this point; the "
-        "curve between comes from the same opening areas, scaled.",
+        words="Flat on centre, steep when parking. The set's boost curve was chosen to end at this "
+        "point; the source prints no other.",
     )
 
 

@@ -6,9 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from steering_core.parameters import load_parameters
+from pressure_control.servo_loop import servo_spectral_radius
+from pressure_control.servo_point import servo_point
+from steering_core.parameters import ParameterSet, load_parameters
+from steering_plant.linear.gear import linear_gear
 from steering_studies.linear import open_centre_study, steering_study
-from steering_studies.linear.bode import TORQUES, Family
+from steering_studies.linear.bode import Family
 from steering_studies.linear.source_figures import servo_as_printed
 from steering_studies.reproduce.bode import bode
 from steering_studies.reproduce.row import Number, Row
@@ -26,7 +29,7 @@ def control_valves_loop_gain() -> Row:
     return Row(
         "6.11",
         "Steering loop with pressure control valves, loop gain",
-        _margins(made),
+        [*_phase_margins(made, (0.0, 2.0, 4.0)), *_gain_margins(made, (0.0, 2.0, 4.0))],
         [bode(made, HERTZ, (-100.0, 50.0), (-400.0, 0.0), "axes of -100 to 50 dB, -400 to 0 deg")],
         words="As the source says: more phase lag than the open centre at low torque, less gain "
         "margin at high. Beyond 2 N m the margin rises again, because the wanted resonance falls "
@@ -50,24 +53,21 @@ def control_valves_closed_loop() -> Row:
 
 def servo_valves_loop_gain() -> Row:
     """Return fig 7.6."""
-    made = steering_study.servo_loop_gain(servo_as_printed(load_parameters()))
-    calm = [
-        torque
-        for torque, loop in zip(made.torque, made.response, strict=True)
-        if closes_stably(loop)
-    ]
+    parameters = servo_as_printed(load_parameters())
+    made, stable = steering_study.servo_loop_gain(parameters), stable_up_to(parameters)
     return Row(
         "7.6",
         "Steering loop with servo valves, loop gain",
         [
-            *_margins(made, calm),
-            Number("largest torque with a stable loop, of 0 to 4", "N m", None, max(calm)),
+            *_phase_margins(made, (0.0, 2.0)),
+            *_gain_margins(made, (0.0, 2.0, 3.0)),
+            Number("largest torque with a stable loop", "N m", None, stable, "torque"),
         ],
         [bode(made, HERTZ, (-100.0, 50.0), (-400.0, 0.0), "axes of -100 to 50 dB, -400 to 0 deg")],
         words="More phase lag than with the pressure control valves and, as the source is "
         "concerned about, less gain margin at high torque; here the loop is unstable beyond "
-        f"{max(calm):g} N m. The source's rig is for low torque, and so is this controller.",
-    )  # fmt: skip
+        f"{stable:.1f} N m. The source's rig is for low torque, and so is this controller.",
+    )
 
 
 def servo_valves_closed_loop() -> Row:
@@ -86,29 +86,36 @@ def servo_valves_closed_loop() -> Row:
         [bode(made, (10.0, 490.0), (-60.0, 0.0), (-30.0, 0.0),
               "axes of -60 to 0 dB, -30 to 0 deg, from 10 Hz")],
         words="Additional phase lag, more than with the pressure control valves, and a slight "
-        "overshoot, as the source says; the curves of 3 and 4 N m belong to an unstable loop.",
+        "overshoot, as the source says; at 4 N m the loop is unstable.",
     )  # fmt: skip
 
 
-def closes_stably(loop: np.ndarray) -> bool:
-    """Return whether a stable loop gain (n,), over rising frequency, is stable when closed.
+def stable_up_to(parameters: ParameterSet) -> float:
+    """Return the largest torque [N m], in tenths up to 4, to which the sampled loop is stable."""
+    gain, stiffness = (
+        parameters["servo_valve.controller_gain"],
+        linear_gear(parameters).stiffness,
+    )
+    last = float("nan")
+    for torque in np.linspace(0.0, 4.0, 41):
+        point = servo_point(parameters, float(torque), 0.0, stiffness=stiffness)
+        if servo_spectral_radius(point, gain) >= 1.0:
+            return last
+        last = float(torque)
+    return last
 
-    Nyquist: 1 + L, from the lowest frequency to where L has died out, does not turn round zero.
-    """
-    angle = np.unwrap(np.angle(1.0 + loop))
-    return bool(abs(angle[-1] - angle[0]) < np.pi)
 
-
-def _margins(made: Family, torques: Sequence[float] = TORQUES) -> list[Number]:
-    """Return phase and gain margins at the lowest, the middle and the highest torque given."""
+def _phase_margins(made: Family, torques: Sequence[float]) -> list[Number]:
     found = dict(zip(made.torque, made.margins(), strict=True))
-    chosen = sorted({torques[0], torques[len(torques) // 2], torques[-1]})
-    phases = [Number(f"phase margin, {t:g} N m", "deg", None, found[t].phase) for t in chosen]
-    gains = [
+    return [Number(f"phase margin, {t:g} N m", "deg", None, found[t].phase) for t in torques]
+
+
+def _gain_margins(made: Family, torques: Sequence[float]) -> list[Number]:
+    found = dict(zip(made.torque, made.margins(), strict=True))
+    return [
         Number(f"gain margin, {t:g} N m", "dB", None, float(20.0 * np.log10(found[t].gain)))
-        for t in chosen
+        for t in torques
     ]
-    return phases + gains
 
 
 def _lags(made: Family, original: Family) -> list[Number]:
