@@ -12,9 +12,13 @@ from bootstrap.progress import say
 PLUGINS = ("xdist.plugin", "_hypothesis_pytestplugin")
 NO_TESTS = 5
 
+# Two processes, a file's tests in one of them: what a file prepares is prepared once.
+WHOLE_SUITE = ("-n", "2", "--dist", "loadfile")
+
 
 def commands(python: Path, arguments: list[str]) -> dict[str, list[str]]:
-    """Name of each check -> its command."""
+    """Name of each check -> its command; the whole suite runs in two processes."""
+    arguments = arguments or list(WHOLE_SUITE)
     plugins = [word for plugin in PLUGINS for word in ("-p", plugin)]
     return {
         "ruff": [str(python), "-m", "ruff", "check", "."],
