@@ -14,6 +14,8 @@ from steering_core.parameters import ParameterError, ParameterSet, load_paramete
 from steering_diagnosis.data.channels import CHANNELS, MEASURED, PRESSURE, TORQUE
 from steering_diagnosis.data.read import sha256
 from steering_diagnosis.data.record import Record
+from steering_diagnosis.data.rig_run import LOAD, as_on_the_rig
+from steering_lockstep.topics import LOAD_COMMAND
 from steering_plant.measured_boost_curve import boost_table
 
 TOPICS = frozenset(channel.topic for channel in CHANNELS.values())
@@ -33,12 +35,16 @@ def record_from_bag(path: str | Path) -> Record:
             values = _on_grid(trace[channel.topic], channel.field, grid)
             if np.isfinite(values).any():
                 channels[name] = values
+    idle = as_on_the_rig(channels, trace.run, int(ticks[0]), notes)
+    _without_load_command(channels, trace, notes)
     if not np.any(channels.get("driver_torque", 0.0)):
         channels.pop("driver_torque", None)  # Nobody commanded it: a rig without a driver.
     missing = [name for name in MEASURED if name not in channels]
     if missing:
         notes.append(f"not measured: {', '.join(missing)}")
     excluded = _gaps(channels, notes)
+    if idle is not None:
+        excluded = idle if excluded is None else excluded | idle
     return Record(
         valve_system=_valve_system(trace, channels),
         channels=channels,
@@ -85,6 +91,16 @@ def _gaps(channels: Mapping[str, np.ndarray], notes: list[str]) -> np.ndarray | 
         "the inputs of the replay, and not judged"
     )
     return excluded
+
+
+def _without_load_command(channels: dict[str, np.ndarray], trace: Trace, notes: list[str]) -> None:
+    """Leave out the load's command where a load cylinder follows it: the force lags behind it."""
+    nodes = (trace.run.get("node_set") or {}).get("nodes") or {}
+    if not any(LOAD_COMMAND in (node.get("outputs") or ()) for node in nodes.values()):
+        return
+    for name in LOAD:
+        channels.pop(name, None)
+    notes.append("a load cylinder makes the load: what it was asked for is not used, its cell is")
 
 
 def _valve_system(trace: Trace, channels: Mapping[str, np.ndarray]) -> Any:
