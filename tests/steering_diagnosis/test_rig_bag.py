@@ -46,6 +46,7 @@ def test_lost_frames_are_not_judged(bag):
 def test_the_safe_state_is_not_judged(bag, again):
     again(changes=[{"tick": 500, "to": "safe"}, {"tick": 700, "to": "running"}])
     record = record_from_bag(bag)
+    assert record.excluded is not None
     assert set(np.flatnonzero(record.excluded)) == LOST | set(range(500, 700))
     assert not record["left_solenoid_force"][501:701].any()
 

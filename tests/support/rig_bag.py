@@ -108,7 +108,8 @@ def _run(
     now_ns = 0
     session.open()
     session.open_bridge.clock = lambda: now_ns
-    asked, rows, periods = dict(nodes.rest), [], 0
+    asked, periods = dict(nodes.rest), 0
+    rows: list[dict[str, tuple[float, ...]]] = []
     while len(rows) < ticks:
         frame = rig.measure()
         gone = session.started and periods in lost
