@@ -112,6 +112,11 @@ def answer(parameters: dict[str, float]) -> Answer:
                 "valve itself ring (5.28); a smaller damping orifice gives back most of the speed."
             ),
             (
+                "Hysteresis makes the integrating controller hunt at some 10 Hz where the wheel "
+                "hardly moves: that is most of its torque difference. Only faster ripple counts "
+                "against calm."
+            ),
+            (
                 "Calm: the pressures' second difference has a standard deviation below "
                 f"{CYCLE_RIPPLE:.0f} Pa, and the controller's own check does not refuse it."
             ),

@@ -40,6 +40,12 @@ def rig_test_page(
 HEAD = ("Parameter", "Unit", "Nominal", "Identified", "95 % interval", "Difference")
 
 
+def _percent(ratio: float) -> str:
+    """Return how far a ratio is from 1, signed; without a sign where it rounds to nothing."""
+    shown = f"{100.0 * (ratio - 1.0):+.1f}"
+    return "0.0" if shown in ("+0.0", "-0.0") else shown
+
+
 def _rows(identified: Identified, nominal: ParameterSet) -> list[tuple[str, ...]]:
     return [
         (
@@ -48,7 +54,7 @@ def _rows(identified: Identified, nominal: ParameterSet) -> list[tuple[str, ...]
             f"{nominal[name]:.4g}",
             f"{estimate.value:.4g}",
             f"{estimate.low:.4g} to {estimate.high:.4g}",
-            f"{100.0 * (estimate.value / nominal[name] - 1.0):+.1f} %",
+            f"{_percent(estimate.value / nominal[name])} %",
         )
         for name, estimate in identified.estimates.items()
     ]

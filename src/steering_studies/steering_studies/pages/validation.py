@@ -20,9 +20,9 @@ def validation_page(made: Validation, name: str) -> Page:
     """Return the page: figures of merit, then every channel overlaid."""
     worst = min(made.merits.items(), key=lambda item: item[1].fit)
     page = Page(
-        title=f"Validation against {name}",
-        lead=f"The model meets every channel within a fit of {100.0 * worst[1].fit:.1f} %; "
-        f"least good is {worst[0].replace('_', ' ')}.",
+        title=f"Validation against the record {name}",
+        lead=f"The worst channel, {worst[0].replace('_', ' ')}, has a fit of "
+        f"{100.0 * worst[1].fit:.1f} %; 100 % is no error at all.",
         footer="Fit: 1 - rms of the error over the measurement's own deviation. "
         "This page needs no network.",
     )

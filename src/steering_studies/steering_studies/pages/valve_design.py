@@ -73,7 +73,11 @@ def front_figure(fronts: Sequence[Front], found: Evaluation, sheet: Evaluation) 
         at = (np.array([one.step_time * 1e3]), np.array([one.force]))
         curves.append(Curve(*at, name, colour, mode="markers", over_time=False))
     axes = Axes("step time to 90 % [ms]", "solenoid force [N]", curves, y_range=(10.0, 70.0))
-    return Figure("Pareto front (fig 6.4)", [[axes]], height=380)
+    highest = max(float(front.forces.max()) for front in fronts)
+    caption = "The source's axis, 10 to 70 N."
+    if highest > 70.0:
+        caption += f" The quick end of the front goes on to {highest:.0f} N."
+    return Figure("Pareto front (fig 6.4)", [[axes]], caption, height=380)
 
 
 def characteristic_figure(characteristics: Sequence[Characteristic]) -> Figure:

@@ -157,7 +157,8 @@ def closed_loop() -> Row:
         ],
         [
             bode(made, (0.1, 100.0), (-20.0, 0.0), (-20.0, 5.0),
-                 "axes of -20 to 0 dB to 100 Hz and -20 to 5 deg below 20 Hz (dotted)")
+                 "axes of -20 to 0 dB to 100 Hz and -20 to 5 deg below 20 Hz (dotted)",
+                 phase_to=20.0)
         ],
         words="At low torque it is the source's. At high torque ours has a resonance near 80 Hz "
         "that the source's axis, ending at 0 dB, has no room for. Friction is off in a linear "

@@ -45,7 +45,16 @@ def control_valves_closed_loop() -> Row:
         "6.12",
         "Steering loop with pressure control valves, closed loop",
         _lags(made, open_centre_study.closed_loop(parameters)),
-        [bode(made, HERTZ, (-60.0, 0.0), (-15.0, 0.0), "axes of -60 to 0 dB, -15 to 0 deg")],
+        [
+            bode(
+                made,
+                HERTZ,
+                (-60.0, 0.0),
+                (-15.0, 0.0),
+                "axes of -60 to 0 dB, -15 to 0 deg to 20 Hz",
+                phase_to=AT_HERTZ,
+            )
+        ],
         words="More lag than the open centre, most at low torque, as the source says. The "
         "source's phase axis ends at -15 deg, near 10 Hz in ours.",
     )
@@ -84,7 +93,7 @@ def servo_valves_closed_loop() -> Row:
             Number("overshoot of the amplitude, 2 N m", "dB", None, over[1]),
         ],
         [bode(made, (10.0, 490.0), (-60.0, 0.0), (-30.0, 0.0),
-              "axes of -60 to 0 dB, -30 to 0 deg, from 10 Hz")],
+              "axes of -60 to 0 dB, -30 to 0 deg, from 10 Hz", phase_to=AT_HERTZ)],
         words="Additional phase lag, more than with the pressure control valves, and a slight "
         "overshoot, as the source says; at 4 N m the loop is unstable.",
     )  # fmt: skip
