@@ -15,7 +15,7 @@ NAMES = {package.name for package in PACKAGES}
 # Keys of rosdep, and packages of ROS 2 Jazzy itself.
 KNOWN = {
     "ament_cmake", "diagnostic_msgs", "nav_msgs", "rcl_interfaces", "rclpy", "rosgraph_msgs",
-    "sensor_msgs", "std_msgs", "rosidl_default_generators", "rosidl_default_runtime",
+    "sensor_msgs", "std_msgs", "std_srvs", "rosidl_default_generators", "rosidl_default_runtime",
     "python3-numpy", "python3-pytest", "python3-scipy", "python3-yaml",
 }  # fmt: skip
 

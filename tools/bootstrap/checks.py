@@ -12,18 +12,20 @@ from bootstrap.progress import say
 PLUGINS = ("xdist.plugin", "_hypothesis_pytestplugin")
 NO_TESTS = 5
 
-# Two processes, a file's tests in one of them: what a file prepares is prepared once.
-WHOLE_SUITE = ("-n", "2", "--dist", "loadfile")
+# Two processes, a file's tests in one of them: what a file prepares is prepared once. Tests of the
+# ROS graph start processes of their own and look at the clock: they run one after the other.
+PURE_SUITE = ("-n", "2", "--dist", "loadfile", "--ignore=tests/ros")
+ROS_SUITE = ("tests/ros",)
 
 
 def commands(python: Path, arguments: list[str]) -> dict[str, list[str]]:
-    """Name of each check -> its command; the whole suite runs in two processes."""
-    arguments = arguments or list(WHOLE_SUITE)
-    plugins = [word for plugin in PLUGINS for word in ("-p", plugin)]
+    """Name of each check -> its command; without arguments the whole suite, in two parts."""
+    pytest = [str(python), "-m", "pytest", *(w for plugin in PLUGINS for w in ("-p", plugin))]
+    parts = {"pytest": arguments} if arguments else {"pytest": PURE_SUITE, "pytest, ROS": ROS_SUITE}
     return {
         "ruff": [str(python), "-m", "ruff", "check", "."],
         "mypy": [str(python), "-m", "mypy"],
-        "pytest": [str(python), "-m", "pytest", *plugins, *arguments],
+        **{name: [*pytest, *words] for name, words in parts.items()},
     }
 
 
@@ -42,4 +44,4 @@ def run(layout: Layout, python: Path, variables: Mapping[str, str], arguments: l
 
 
 def _empty(name: str, status: int) -> bool:
-    return name == "pytest" and status == NO_TESTS
+    return name.startswith("pytest") and status == NO_TESTS
