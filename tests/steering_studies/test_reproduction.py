@@ -1,12 +1,19 @@
 """Verdicts of the reproduction follow from the numbers and the tolerances of the targets."""
 
+import numpy as np
 import pytest
 
+from pressure_control.linear_servo import servo_assistance
 from steering_bringup.cli import main
 from steering_bringup.errors import BenchError
+from steering_core.parameters import load_parameters
+from steering_plant.linear.gear import linear_gear
+from steering_studies.linear.bode import family
+from steering_studies.linear.source_figures import servo_as_printed
 from steering_studies.pages.reproduce import reproduction_page
 from steering_studies.reproduce.all_rows import ROWS, make
 from steering_studies.reproduce.row import Number, Row
+from steering_studies.reproduce.steering_loop import stable_up_to
 
 
 @pytest.mark.parametrize(
@@ -52,3 +59,39 @@ def test_every_row_can_be_listed_and_a_wrong_name_is_told(capsys):
     with pytest.raises(BenchError, match=r"did you mean 'rig\.boost_curve'"):
         make(["rig.boost_curv"])
     assert "differ" in reproduction_page([Row("1", "x", [Number("b", "s", 1.0, 2.0)])]).render()
+
+
+def test_the_rows_of_chapter_8_and_the_boost_curve_meet_the_source():
+    names = ("results.dry_park", "results.step", "results.assistance", "results.torque_difference",
+             "open_centre.heavy_vehicle_boost_curve", "open_centre.pressure_response",
+             "energy.energy")  # fmt: skip
+    rows = make(names)
+    assert [row.verdict for row in rows] == ["reproduced"] * len(names)
+    assert [row.figure for row in rows] == ["2.3", "4.5", "8.1", "8.2", "8.4", "8.6", "energy"]
+
+
+def test_a_bode_plot_has_the_source_s_axes_and_room_for_ours():
+    row = ROWS["open_centre.closed_loop"]()
+    amplitude, phase = (line[0] for line in row.figures[0].rows)
+    assert amplitude.log_x
+    assert amplitude.limits == (-20.0, 0.0)
+    assert amplitude.y_range[1] > max(curve.y.max() for curve in amplitude.curves) > 0.0
+    assert max(curve.x.max() for curve in phase.curves) <= 20.0
+
+
+def test_the_servo_valves_loop_is_stable_for_on_centre_torques_only():
+    """The eigenvalues' answer against the drawn loop gain, which passes -1 at 3.5 N m."""
+    parameters = servo_as_printed(load_parameters())
+    assert 3.0 <= stable_up_to(parameters) < 3.5
+    found = family(
+        "7.6",
+        "",
+        lambda t, w: linear_gear(parameters).loop_gain(servo_assistance(parameters, t, w)),
+        torques=(3.0, 3.5),
+        frequency=np.logspace(1.5, 2.3, 400),
+    )
+    crossing = [
+        float(np.interp(-180.0, degrees[::-1], np.abs(loop)[::-1]))
+        for degrees, loop in zip(found.degrees, found.response, strict=True)
+    ]
+    assert crossing[0] < 1.0 < crossing[1]
