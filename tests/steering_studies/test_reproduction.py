@@ -75,6 +75,7 @@ def test_a_bode_plot_has_the_source_s_axes_and_room_for_ours():
     amplitude, phase = (line[0] for line in row.figures[0].rows)
     assert amplitude.log_x
     assert amplitude.limits == (-20.0, 0.0)
+    assert amplitude.y_range is not None
     assert amplitude.y_range[1] > max(curve.y.max() for curve in amplitude.curves) > 0.0
     assert max(curve.x.max() for curve in phase.curves) <= 20.0
 
