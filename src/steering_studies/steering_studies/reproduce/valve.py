@@ -51,7 +51,7 @@ def front() -> Row:
         f"them: the last {1e3 * (cut - float(made.step_times.min())):.2f} ms take what is above "
         f"70 N. The data sheet's valve comes from an earlier search and lies "
         f"inside this front: its {sheet.step_time * 1e3:.1f} ms take {sheet.force:.0f} N, the "
-        f"front's best takes {least}. The diamond is the front's own choice",
+        f"front's best takes {least}. The red point is the front's own choice",
     )  # fmt: skip
 
 
