@@ -49,7 +49,10 @@ def patient_rig(folder: Path) -> Path:
     own = yaml.safe_load(shipped.with_name("emulator.yaml").read_text()) | {"stale_ticks": 900}
     (folder / "emulator.yaml").write_text(yaml.safe_dump(own))
     (folder / "emulated.dbc").write_bytes(shipped.with_name("emulated.dbc").read_bytes())
-    rig = yaml.safe_load(shipped.read_text()) | {"watching": PATIENT, "relations": {}}
+    rig = yaml.safe_load(shipped.read_text()) | {"watching": PATIENT, "relations": {}, "rates": {}}
+    for channel in rig["channels"].values():
+        if channel["direction"] == "measured":
+            channel["rate"] = 1e12
     path = folder / "emulated.yaml"
     path.write_text(yaml.safe_dump(rig, sort_keys=False))
     return path

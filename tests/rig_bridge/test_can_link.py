@@ -1,5 +1,7 @@
 """The CAN link when the bus goes, is not there, or carries others' frames."""
 
+import socket
+import threading
 import time
 
 import can
@@ -35,6 +37,44 @@ def test_a_bus_that_goes_is_noticed():
     assert not bench.up
     assert bench.problem
     bench.close()
+
+
+class Talkative(CanHub):
+    """Sends a frame right behind its answer to a client that opens the bus."""
+
+    def _answer(self, client, word):
+        self.on_bus.add(client)
+        self._write(client, b"< ok >< frame 123 1.000000 00 >" if word == "rawmode" else b"< ok >")
+
+
+def test_a_bus_may_be_busy_as_it_is_opened():
+    hub = Talkative()
+    settings = {"interface": "socketcand", "host": "127.0.0.1", "port": hub.port}
+    bench = open_link("can", RIG, EMULATED.parent, settings)
+    far = open_link("can", RIG, EMULATED.parent, settings, rig_end=True)
+    far.send_frame(FRAME)
+    assert len(bench.receive_frames(1.0)) == 1
+    for end in (bench, far):
+        end.close()
+    hub.close()
+
+
+def test_a_server_that_answers_otherwise_is_one_clear_line():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=refuse, args=(server,))
+        thread.start()
+        settings = {"interface": "socketcand", "host": "127.0.0.1"}
+        with pytest.raises(BenchError, match=r"socketcand can0: .*< er"):
+            open_link("can", RIG, EMULATED.parent, settings | {"port": server.getsockname()[1]})
+        thread.join()
+
+
+def refuse(server):
+    client, _ = server.accept()
+    with client:
+        client.sendall(b"< hi >")
+        client.recv(100)
+        client.sendall(b"< error no such bus >")
 
 
 def test_no_such_interface_is_one_clear_line():

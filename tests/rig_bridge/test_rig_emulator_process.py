@@ -6,8 +6,10 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
+from bench_process import wait_for
 from healthy_rig import EMULATED, emulated_rig
 from rig_links import link_settings
 from rig_loop import HOLD
@@ -72,3 +74,30 @@ def test_a_wrong_call_is_one_clear_line(tmp_path):
     assert process.returncode == 2
     assert err.startswith("rig_emulator: setting of the udp link: bench")
     assert len(err.splitlines()) == 1
+
+
+def test_signals_at_any_moment_after_the_first_line_end_it_in_order():
+    """One, two, with its input closed as well, and one after the other until it is gone."""
+    with link_settings("udp") as settings:
+        words = ["-m", "emulator_starts", "20", settings["bench"], settings["rig"]]
+        done = run_python(*words)
+    assert done.stderr == ""
+    for status, told in json.loads(done.stdout):
+        assert status == 0
+        assert json.loads(told)["ticks"] >= 0
+
+
+def run_python(*words):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, *words]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120.0)
+
+
+def test_a_signal_before_the_first_line_ends_it_at_once_and_without_a_word(tmp_path):
+    with link_settings("udp") as settings:
+        process = emulator(tmp_path, "udp", settings)
+        wait_for(lambda: b"numpy" in Path(f"/proc/{process.pid}/maps").read_bytes())
+        process.send_signal(signal.SIGTERM)
+        out, err = process.communicate(timeout=10.0)
+    assert (out, err) == ("", "")
+    assert process.returncode == -signal.SIGTERM

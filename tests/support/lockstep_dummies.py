@@ -5,14 +5,16 @@ from __future__ import annotations
 import errno
 import hashlib
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from steering_lockstep.clock_node import ClockNode
+from steering_lockstep.free_clock import FreeClock
 from steering_lockstep.graph import Graph, NodeSpec, check_graph
 from steering_lockstep.node import LockstepNode
+from steering_lockstep.outside import Status
 from steering_lockstep.topics import wire
 
 MEASURED = ("/steering/torque", "/steering/pressure", "/steering/rack")
@@ -43,6 +45,57 @@ class Plant(ClockNode):
 
     def result(self) -> dict[str, Any]:
         return {**super().result(), "digest": self.core.seen.hexdigest()}
+
+
+class Hardware:
+    """Made-up hardware that begins a period when it has the answer to the one before."""
+
+    preparing = False
+    failure: str | None = None
+
+    def __init__(self, core: Mix, ticks: int) -> None:
+        self.core = core
+        self.last = ticks - 1
+        self.answered = True
+
+    @property
+    def answer_by(self) -> int:
+        return time.monotonic_ns() + 60_000_000_000
+
+    def open(self) -> None:
+        """There is nothing to open."""
+
+    def receive(self) -> list[tuple[float, ...]]:
+        rows = [tuple(self.core.out.tolist())] if self.answered else []
+        self.answered = False
+        return rows
+
+    def answer(self, tick: int, values: Sequence[float], age: int, late: str | None) -> None:
+        assert age == 0, late
+        self.answered = True
+        if tick < self.last:
+            self.core.step(tick, *values)
+
+    def status(self) -> Status:
+        return Status("ok", "running")
+
+    def numbers(self) -> dict[str, str]:
+        return {}
+
+    def report(self) -> dict[str, Any]:
+        return {}
+
+    def close(self) -> None:
+        """There is nothing to close."""
+
+
+class Rig(FreeClock):
+    """A clock that nobody holds up, before hardware that waits for the nodes all the same."""
+
+    core: Hardware
+
+    def result(self) -> dict[str, Any]:
+        return {**super().result(), "digest": self.core.core.seen.hexdigest()}
 
 
 class Node(LockstepNode):
@@ -101,6 +154,12 @@ def plant(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     return Plant(context, spec, run, parameters, lambda values: Mix(_size(spec), 1))
 
 
+def rig(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
+    clock = Rig(context, spec, run, parameters)
+    clock.core = Hardware(Mix(_size(spec), 1), run.ticks)
+    return clock
+
+
 def node(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     return Node(context, spec, run, parameters, lambda values: Mix(_size(spec), len(spec.name)))
 
@@ -155,6 +214,7 @@ def graph(
     periods: Mapping[str, int] | None = None,
     driver: str = "node",
     recorder: str | None = None,
+    clock: str = "plant",
 ) -> Graph:
     """Return a graph like the closed-centre bench; ``delays``: {(topic, node): ticks}."""
     delays, periods = delays or {}, periods or {}
@@ -168,7 +228,7 @@ def graph(
 
     commands = ("/driver/torque", "/valve/left/command", "/valve/right/command")
     nodes = [
-        spec("plant", "plant", (*commands, "/vehicle/rack_force"), *MEASURED, "/clock"),
+        spec("plant", clock, (*commands, "/vehicle/rack_force"), *MEASURED, "/clock"),
         spec("left", "node", MEASURED, "/valve/left/command"),
         spec("right", "node", MEASURED, "/valve/right/command"),
         spec("driver", driver, MEASURED[:1], "/driver/torque"),

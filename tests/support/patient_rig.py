@@ -28,6 +28,9 @@ def patient_rig(folder: Path, emulator: dict[str, Any] | None = None, **watching
     rig = yaml.safe_load(EMULATED.read_text())
     rig["watching"] = {**PATIENT, **watching}
     rig["relations"], rig["rates"] = {}, {}
+    for channel in rig["channels"].values():
+        if channel["direction"] == "measured":
+            channel["rate"] = 1e12
     path = folder / "patient.yaml"
     path.write_text(yaml.safe_dump(rig, sort_keys=False))
     return path

@@ -17,13 +17,16 @@ from typing import Any
 from steering_core.errors import BenchError
 
 GRACE_S = 5.0
+STDIN, CHUNK = 0, 4096
 
 
 def end_with_input() -> None:
     """Send this process a SIGTERM when its standard input is closed, as by the owner's death."""
 
     def watch() -> None:
-        sys.stdin.buffer.read()
+        # Not through sys.stdin: its lock, held here, would abort the process at its end.
+        while os.read(STDIN, CHUNK):
+            pass
         os.kill(os.getpid(), signal.SIGTERM)
 
     threading.Thread(target=watch, name="owner", daemon=True).start()
@@ -33,7 +36,7 @@ def end_with_input() -> None:
 def helper(module: str, arguments: Sequence[str], timeout_s: float) -> Iterator[Helper]:
     """Start ``python -m module``, wait for its first line (JSON), and stop it at the end.
 
-    It must call ``end_with_input``. Raises BenchError when it ends or says nothing in time.
+    It must end with its standard input. Raises BenchError when it ends or says nothing in time.
     """
     process = subprocess.Popen(
         [sys.executable, "-m", module, *arguments],

@@ -103,7 +103,9 @@ class Session:
         return bridge.periods
 
     def answer(self, tick: int, values: Sequence[float], age: int, late: str | None) -> None:
-        """Send the commands among ``values``, or the safe ones."""
+        """Send the commands among ``values``, or the safe ones; nothing once it is closed."""
+        if self.closed:
+            return
         bridge = self.open_bridge
         was = bridge.guard.state
         asked = {name: values[index] for name, index in self.index.items()}

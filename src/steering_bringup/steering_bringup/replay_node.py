@@ -37,17 +37,14 @@ class Replaying:
 
     core: Recording
     run: RunSettings
-    published: dict[str, int]
-    _publishers_of: dict[str, Any]
+    forward: Callable[[str, bytes], None]
 
     def publish(self, tick: int, out: Sequence[float]) -> None:
         """Publish each topic whose turn it is at ``tick``."""
         for name, (data, size) in self.core.messages.items():
             index, rest = divmod(tick, self.run.every(name))
             if rest == 0:
-                message = data[index * size : (index + 1) * size]
-                self._publishers_of[name].handle.publish_raw(message)
-                self.published[name] += 1
+                self.forward(name, data[index * size : (index + 1) * size])
 
 
 class ReplayNode(Replaying, LockstepNode):

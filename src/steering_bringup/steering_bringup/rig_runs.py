@@ -18,6 +18,7 @@ from rig_bridge.transport.registry import check_link
 from steering_bringup.errors import BenchError
 from steering_bringup.schema import NodeSet
 from steering_lockstep.graph import CLOCK, RECORDER_KIND, Graph
+from steering_lockstep.kinds import FACTORIES
 from steering_lockstep.topics import TABLE, wire
 
 RIG_KIND = "rig_bridge"
@@ -78,11 +79,11 @@ class Connection:
 def rig_layout(graph: Graph) -> dict[str, str]:
     """Return which node is in which process.
 
-    No other node can stop the bridge, and the recorder's writing holds up neither.
+    The bench's own nodes are beside the bridge, which they answer without a detour. No other node
+    can stop the bridge, and the recorder's writing holds up neither.
     """
-    layout = {node.name: "nodes" for node in graph.nodes}
-    layout |= {node.name: "recorder" for node in graph.nodes if node.kind == RECORDER_KIND}
-    return layout | {graph.clock.name: "rig"}
+    layout = {node.name: "rig" if node.kind in FACTORIES else "nodes" for node in graph.nodes}
+    return layout | {node.name: "recorder" for node in graph.nodes if node.kind == RECORDER_KIND}
 
 
 def choose_rig(name: str, link: str | None, on_fault: OnFault) -> RigChoice:

@@ -23,7 +23,8 @@ class FreeClock(ClockNode):
     """Publishes a tick whenever the hardware begins one, and answers it before the next.
 
     The commands of the tick are sent as soon as they are all there, at ``answer_by`` at the latest:
-    then the last values are held. ``core`` is an ``Outside``.
+    then the last values are held. What only a recorder reads is published after that. ``core`` is
+    an ``Outside``.
     """
 
     collector = Held
@@ -65,13 +66,14 @@ class FreeClock(ClockNode):
 
     def _turn(self) -> None:
         rows = self.core.receive()
-        for row in rows:
-            self._begin(row)
-        self.answered = False
-        if rows and self.barrier.missing:
-            self._serve(self.core.answer_by)
-        if not self.answered:
-            self._answer()
+        with self.outbox.held():
+            for row in rows:
+                self._begin(row)
+            self.answered = False
+            if rows and self.barrier.missing:
+                self._serve(self.core.answer_by)
+            if not self.answered:
+                self._answer()
         self._after()
 
     def _begin(self, row: tuple[float, ...]) -> None:

@@ -17,6 +17,7 @@ from steering_lockstep.core_parameters import description
 from steering_lockstep.endpoints import message_class, qos
 from steering_lockstep.errors import LockstepError
 from steering_lockstep.graph import Graph, NodeSpec
+from steering_lockstep.in_process import Outbox, Take
 from steering_lockstep.ports import Ports, parts, picker
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.stall import Report
@@ -49,6 +50,9 @@ class LockstepNode(Node):
         build: Callable[[Mapping[str, Any]], Any] | None = None,
     ) -> None:
         self.in_events_executor = True
+        self.outbox = Outbox()
+        self.takers: dict[str, Take] = {}
+        self.outlets: dict[str, Take] = {}
         self._plain: dict[str, PlainSubscription] = {}
         self._followers: set[PlainSubscription] = set()
         super().__init__(
@@ -78,7 +82,8 @@ class LockstepNode(Node):
         for index, name in enumerate(spec.inputs):
             self._subscribe(name, self.receiver(index))
         for leader, followers in companions(spec, run.graph).items():
-            self._lead(leader, followers)
+            if leader in self._plain:
+                self._lead(leader, followers)
 
     @property
     def subscriptions(self) -> Iterator[Any]:
@@ -110,6 +115,11 @@ class LockstepNode(Node):
         """Publish the numbers of ``out``, each message with its own."""
         for emit, start, stop in self._parts:
             emit(tick, out[start:stop])
+
+    def forward(self, name: str, data: bytes) -> None:
+        """Give the bytes of a message to all who take topic ``name``."""
+        self.outlets[name](data)
+        self.published[name] += 1
 
     def receiver(self, index: int) -> Callable[[bytes], None]:
         """Return the function that takes the bytes of input ``index``."""
@@ -214,6 +224,9 @@ class LockstepNode(Node):
             except Exception as error:
                 self.on_error(self._core_error(error))
 
+        self.takers[name] = guarded
+        if self.spec in self.run.handed(name):
+            return
         real = self.create_subscription(message_class(name), name, guarded, qos(), raw=True)
         self._plain[name] = PlainSubscription(real, guarded)
 
@@ -246,20 +259,20 @@ class LockstepNode(Node):
         return LockstepError("core", self.spec.name, None, self.barrier.tick, text)
 
     def _emitter(self, name: str) -> Emit:
-        """Return the function that packs, checks and publishes one message of topic ``name``."""
+        """Return the function that packs, checks and forwards one message of topic ``name``."""
         publisher = self.create_publisher(message_class(name), name, qos())
         self._publishers_of[name] = publisher
         handle = publisher.handle
         handle.__enter__()  # kept in use for the node's life instead of once a message
-        send, layout, counts, node = handle.publish_raw, wire(name), self.published, self.spec.name
+        self.outlets[name] = handle.publish_raw
+        self.published[name] = 0
+        forward, layout, node = self.forward, wire(name), self.spec.name
         pack, entry, any_number = layout.pack, Input(name, layout), not topic(name).finite
-        counts[name] = 0
 
         def emit(tick: int, values: Sequence[float]) -> None:
             if not (isfinite(sum(values)) or any_number):
                 raise not_finite(node, entry, tick, values)
-            send(pack(tick, values))
-            counts[name] += 1
+            forward(name, pack(tick, values))
 
         return emit
 

@@ -17,7 +17,8 @@ CREDIT_EVERY = 100
 class RunSettings:
     """``ticks``: 0 to ticks - 1; ``rest``: values before a delayed input's first message.
 
-    ``urgent``: wall time counts, because hardware is the clock.
+    ``urgent``: wall time counts, because hardware is the clock. ``together``: the nodes of this
+    process, where they hand messages over to each other by a call.
     """
 
     graph: Graph
@@ -25,6 +26,7 @@ class RunSettings:
     rest: Mapping[str, Sequence[float]] = field(default_factory=dict)
     real_time: bool = False
     urgent: bool = False
+    together: frozenset[str] = frozenset()
 
     def every(self, name: str) -> int:
         """Return the ticks between two messages on topic ``name``."""
@@ -48,6 +50,19 @@ class RunSettings:
             for name, delay in spec.inputs.items()
         ]
 
+    def handed(self, name: str) -> tuple[NodeSpec, ...]:
+        """Return who gets topic ``name`` by a call; a recorder takes what is published."""
+        if self.graph.publisher[name] not in self.together:
+            return ()
+        readers = (n for n in self.graph.readers(name) if n.name in self.together)
+        return tuple(n for n in readers if CREDIT not in n.outputs)
+
+    def awaited(self, name: str) -> bool:
+        """Return whether a node in another process waits for topic ``name``."""
+        handed = self.handed(name)
+        elsewhere = [node for node in self.graph.readers(name) if node not in handed]
+        return any(CREDIT not in node.outputs for node in elsewhere)
+
     def readers(self, name: str) -> int:
         """Return how many subscriptions of the graph topic ``name`` has."""
-        return len(self.graph.readers(name)) + (name == CREDIT)
+        return len(self.graph.readers(name)) - len(self.handed(name)) + (name == CREDIT)

@@ -20,12 +20,18 @@ def hurry(kinds: Iterable[str]) -> None:
     The collector of cyclic garbage stays off in the loop: the nodes make none, and it would stop
     them for milliseconds. Without the permission for real-time scheduling that part is left out.
     """
+    records = set(kinds) == {RECORDER_KIND}
+    without_pauses()
+    if records:
+        gc.enable()
+    hasten(os.getpid(), RECORDER_PRIORITY if records else PRIORITY)
+
+
+def without_pauses() -> None:
+    """Switch the collector of cyclic garbage off, for a loop that makes none."""
     gc.collect()
     gc.freeze()
-    records = set(kinds) == {RECORDER_KIND}
-    if not records:
-        gc.disable()
-    hasten(os.getpid(), RECORDER_PRIORITY if records else PRIORITY)
+    gc.disable()
 
 
 def hasten(pid: int, priority: int) -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from time import monotonic, process_time
 from typing import Any
@@ -21,6 +22,7 @@ from rclpy.context import Context
 
 from steering_lockstep.clock_node import ClockNode
 from steering_lockstep.errors import LockstepError
+from steering_lockstep.in_process import introduce
 from steering_lockstep.kinds import factory
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.outcome import RunError
@@ -85,16 +87,19 @@ def work(connection: Connection, job: Job) -> None:
 
 
 def _build(link: Link, context: Context, job: Job) -> list[LockstepNode]:
-    nodes = []
+    nodes: list[LockstepNode] = []
+    run = replace(job.run, together=frozenset(job.names)) if job.run.urgent else job.run
     for name in job.names:
-        spec = job.run.graph.node(name)
+        spec = run.graph.node(name)
         try:
             make = factory(spec.kind)
-            nodes.append(make(context, spec, job.run, dict(job.parameters.get(name, {}))))
+            nodes.append(make(context, spec, run, dict(job.parameters.get(name, {}))))
         except Exception as error:
             text = f"node '{name}' cannot start: {error}"
             link.send("error", RunError("start", name, None, None, text))
-            break
+            return nodes
+    if run.together:
+        introduce(nodes, run)
     return nodes
 
 

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import json
-import signal
 import sys
 import time
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from rig_bridge.emulator.rig import PERIOD_NS, EmulatedRig
 from rig_bridge.emulator.settings import EmulatorSettings, load_settings
+from rig_bridge.emulator.stop import Stop
 from rig_bridge.helpers import end_with_input
 from rig_bridge.rig_file import RigFile, load_rig
 from rig_bridge.transport.link import Link
 from rig_bridge.transport.registry import TRANSPORTS, open_link
 from steering_core.errors import BenchError
+from steering_lockstep.urgency import without_pauses
 
 SHIPPED = Path(__file__).resolve().parents[1] / "rigs"
 
@@ -43,11 +42,13 @@ def parser() -> argparse.ArgumentParser:
     return arguments
 
 
-def run(rig: EmulatedRig, link: Link, settings: EmulatorSettings, duration_s: float) -> None:
+def run(
+    rig: EmulatedRig, link: Link, settings: EmulatorSettings, duration_s: float, stop: Stop
+) -> None:
     """Send measurements each period of the rig's clock until ``duration_s`` or a signal."""
     period_s = PERIOD_NS * 1e-9 * (1.0 + settings.clock_drift)
     begin = time.monotonic()
-    while rig.tick * period_s < duration_s:
+    while rig.tick * period_s < duration_s and not stop.asked:
         link.send_frame(rig.measure())
         due = begin + (rig.tick + 1) * period_s
         time.sleep(max(due - time.monotonic(), 0.0))
@@ -59,14 +60,10 @@ def _values(texts: list[str]) -> dict[str, Any]:
     return {name: int(value) if name == "port" else value for name, _, value in pairs}
 
 
-def _stop(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
-
-
 def main() -> int:
     """Run the emulated rig; prints one line of JSON when it is ready and one at the end."""
     arguments = parser().parse_args()
-    signal.signal(signal.SIGTERM, _stop)
+    stop = Stop()
     if arguments.attached:
         end_with_input()
     try:
@@ -80,16 +77,13 @@ def main() -> int:
         print(f"rig_emulator: {error}", file=sys.stderr)
         return 2
     rig = EmulatedRig(table, settings, link.sequence_bits)
-    # A collection of garbage would stop the rig for more periods than its watchdog allows.
-    gc.collect()
-    gc.freeze()
-    gc.disable()
+    without_pauses()  # one would be longer than the rig's own watchdog allows
+    stop.listen()
     print(json.dumps({"ready": table.name}), flush=True)
     try:
-        run(rig, link, settings, arguments.duration)
-    except KeyboardInterrupt:
-        pass
+        run(rig, link, settings, arguments.duration, stop)
     finally:
+        stop.ignore()
         link.close()
     end = {"ticks": rig.tick, "safe": rig.watchdog.latched, "bad_packets": link.bad}
     print(json.dumps(end), flush=True)

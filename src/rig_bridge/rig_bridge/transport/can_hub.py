@@ -13,6 +13,8 @@ import sys
 import threading
 import time
 
+from steering_lockstep.urgency import without_pauses
+
 LARGEST_BACKLOG = 1 << 20
 
 
@@ -104,6 +106,7 @@ class CanHub:
 def main() -> None:
     """Serve a bus until standard input is closed."""
     hub = CanHub(port=int(sys.argv[1]))
+    without_pauses()
     print(json.dumps({"port": hub.port}), flush=True)
     sys.stdin.read()
     hub.close()

@@ -14,6 +14,7 @@ from rig_bridge.transport.can_codec import CanCodec, CanFrame
 from rig_bridge.transport.dbc import load_dbc
 from rig_bridge.transport.packets import Demand, Frame, PacketError
 from rig_bridge.transport.settings import CanSettings
+from rig_bridge.transport.socketcand import open_bus
 from steering_core.errors import BenchError
 
 Packet = TypeVar("Packet")
@@ -37,7 +38,7 @@ class CanLink:
         self.problem: str | None = None
         self.up = True
         try:
-            self.bus = can.Bus(**settings.options())
+            self.bus = open_bus(settings.options())
         except (can.CanError, OSError, ValueError, NotImplementedError) as error:
             where = f"{settings.interface} {settings.channel}"
             raise BenchError(f"cannot open the CAN bus {where}: {error}") from None
