@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from distributed import Client, LocalCluster
-from sled import record
+from sled import HYPOTHESES, record
 
 from steering_core.errors import BenchError
 from steering_diagnosis.engine.diagnose import diagnose
@@ -45,6 +46,19 @@ def test_a_phenomenon_in_no_catalogue_is_unexplained() -> None:
     assert found.causes == ()
     assert found.verdict == "unexplained"
     assert {u.output for u in found.unexplained} <= {"position", "force", "speed"}
+
+
+@pytest.mark.parametrize(
+    ("absent", "size"), [("drag", 500.0), ("position_delay", 8e-3), ("stribeck", 20.0)]
+)
+def test_what_others_explain_only_in_part_gets_none_of_their_names(
+    absent: str, size: float
+) -> None:
+    """Damping explains most of a drag that the catalogue lacks, but leaves what is no noise."""
+    known = {n: h for n, h in HYPOTHESES.items() if n != absent}
+    found = diagnose(replace(record(4, **{absent: size}), hypotheses=known))
+    assert found.causes == ()
+    assert found.verdict == "unexplained"
 
 
 def test_a_distributed_engine_gives_the_same_numbers() -> None:

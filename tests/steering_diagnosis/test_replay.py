@@ -8,7 +8,9 @@ import pytest
 from bench_records import NOISE, bench_record
 
 from steering_core.errors import BenchError
-from steering_diagnosis.steering.replay import SteeringReplay
+from steering_diagnosis.steering.drive import LONE_HZ
+from steering_diagnosis.steering.replay import UNSETTLED, SteeringReplay
+from steering_diagnosis.steering.smoothing import HIGHEST_HZ, low_pass
 
 SYSTEMS = ("open_centre", "closed_centre")
 INTEGRATION_ERROR = {
@@ -100,6 +102,59 @@ def test_it_is_deterministic_and_travels_to_other_processes(noisy):
     effects = {"rack_viscous_damping": {"added": 200.0}}
     given = noisy.residuals({}, effects)
     assert np.array_equal(given, there.residuals({}, effects), equal_nan=True)
+
+
+def test_an_answer_does_not_depend_on_what_was_asked_before(noisy):
+    offset = {"right_pressure_sensor.offset": 2e5}
+    fresh = SteeringReplay(noisy.record)
+    fresh.residuals(offset, {})
+    asked_second = fresh.residuals({}, {})
+    assert np.array_equal(noisy.residuals({}, {}), asked_second, equal_nan=True)
+    alone = SteeringReplay(noisy.record).residuals({}, {})
+    assert np.array_equal(alone, asked_second, equal_nan=True)
+
+
+def test_nothing_is_judged_before_the_rack_has_moved(system):
+    """Friction at rest depends on how the rack came there, which no record tells."""
+    record = bench_record(system, duration=4.0)
+    still = np.full(600, record["steering_wheel_angle"][0])
+    angle = np.concatenate([still, record["steering_wheel_angle"][: len(record) - len(still)]])
+    held = replace(record, channels={**record.channels, "steering_wheel_angle": angle})
+    first = np.flatnonzero(SteeringReplay(held).judged)[0]
+    assert len(still) < first <= 1000
+    assert np.flatnonzero(SteeringReplay(record).judged)[0] >= UNSETTLED
+
+
+def test_a_lone_load_cell_keeps_what_shakes_the_rack():
+    """Beside the load's command the cell is low-passed deeper: the command has the fast part."""
+    random = np.random.default_rng(5)
+    record = bench_record("open_centre", noise=NOISE)
+    shaking = low_pass(300.0 * random.standard_normal(len(record)), 160.0)
+    command = ("load_force", "load_stiffness", "load_position")
+    channels = {n: v for n, v in record.channels.items() if n not in command}
+    shaken = record["rack_force"] + shaking + random.standard_normal(len(record))
+    lone = SteeringReplay(replace(record, channels={**channels, "rack_force": shaken}))
+    curve = lone.drive.curves["rack_force"]
+    assert curve.cutoff_hz == LONE_HZ > HIGHEST_HZ
+    left = (curve.values[-len(record) :] - record["rack_force"] - shaking)[500:-500]
+    assert np.std(left) < 0.2 * np.std(shaking)
+
+
+def test_a_lone_load_cell_may_be_late_and_no_sensor_is_early():
+    record = bench_record("open_centre", noise=NOISE)
+    command = ("load_force", "load_stiffness", "load_position")
+    channels = {n: v for n, v in record.channels.items() if n not in command}
+    late = np.concatenate([record["rack_force"][:1].repeat(2), record["rack_force"][:-2]])
+    lone = SteeringReplay(replace(record, channels={**channels, "rack_force": late}))
+    delay = "rack_force_sensor.delay"
+    assert delay in {n.name for n in lone.nuisances}
+    assert delay not in {n.name for n in SteeringReplay(record).nuisances}
+    errors = [
+        np.std(by_output(lone, lone.residuals({delay: s}, {}))["right_pressure"])
+        for s in (-1e-3, 0.0, 2e-3)
+    ]
+    assert errors[0] == errors[1]
+    assert errors[2] < 0.9 * errors[1]
 
 
 def test_another_record_takes_the_outputs_of_the_first():

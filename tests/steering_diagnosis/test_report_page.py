@@ -1,12 +1,14 @@
 """The page of a diagnosis shows verdict, proof, gain and rivals, and opens offline."""
 
 import json
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from steering_diagnosis.engine.structure import FreeForm
 from steering_diagnosis.pages import diagnosis_page
 from steering_diagnosis.report import (
     BalanceError,
@@ -91,6 +93,16 @@ def test_a_page_without_causes_is_whole(verdict):
     left = [Unexplained(balance="rack force", band_hz=(15.0, 40.0), region="above 5 mm", share=0.4)]
     text = diagnosis_page(diagnosis(verdict=verdict, causes=[], unexplained=left)).render()
     assert "15 to 40 Hz" in text
+
+
+def test_a_free_form_term_is_told_in_words():
+    left = [Unexplained(balance="rack force", band_hz=(1.0, 3.0), region="above 5 mm", share=0.4)]
+    term = FreeForm(
+        "left_pressure", "rack force", "rack position [m]", (0.0, 1e-3), (0.0, 1.0), 0.6
+    )
+    made = diagnosis(verdict="unexplained", causes=[], unexplained=left)
+    text = diagnosis_page(replace(made, free_form=asdict(term))).render()
+    assert "a curve over rack position [m] takes 60 % off left pressure" in text
 
 
 def test_the_report_reads_back_and_refuses_what_is_unknown_or_infinite():

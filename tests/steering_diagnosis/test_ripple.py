@@ -35,3 +35,15 @@ def test_a_clean_record_has_no_line():
 def test_noise_has_no_line():
     noise = np.random.default_rng(5).standard_normal((20, 12_000))
     assert all(find_line(each) is None for each in noise)
+
+
+def test_a_harmonic_that_stands_out_more_does_not_hide_its_line():
+    random = np.random.default_rng(6)
+    time = np.arange(12_000) * 1e-3
+    falling = np.cumsum(random.standard_normal(len(time))) + 0.05 * random.standard_normal(
+        len(time)
+    )
+    line = 2.0 * np.sin(2.0 * np.pi * 137.2 * time) + 1.6 * np.sin(2.0 * np.pi * 274.4 * time)
+    found = find_line(falling + line)
+    assert found is not None
+    assert found.hz == pytest.approx(137.2, abs=0.05)

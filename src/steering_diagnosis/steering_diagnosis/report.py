@@ -140,7 +140,10 @@ class BalanceError:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis:
-    """The report and the evidence behind it, for the page. ``held_out``: (n,) bool on the grid."""
+    """The report and the evidence behind it, for the page.
+
+    held_out: (n,) bool on the grid. free_form: fields of ``engine.structure.FreeForm``, or nothing.
+    """
 
     report: Report
     time: np.ndarray

@@ -9,6 +9,8 @@ KNOTS = 40
 COARSE, FINE = 5, 72
 LAGS = (1, 2, 4, 8)
 DEGREE = 2
+DIRECTED = 0.1
+"""Share of a state's usual speed at which its direction is certain."""
 
 
 def usable_state(x: np.ndarray) -> np.ndarray | None:
@@ -28,6 +30,14 @@ def repeated(x: np.ndarray) -> np.ndarray:
     """Return fine, evenly spaced splines in a state, (n, k): for what repeats along it."""
     even = np.linspace(x.min(), x.max(), FINE + 1)
     return splines(x, np.r_[[even[0]] * DEGREE, even, [even[-1]] * DEGREE])
+
+
+def by_direction(x: np.ndarray) -> np.ndarray:
+    """Return splines in a state whose sign is that of its motion, (n, k): friction, hysteresis."""
+    rate = np.gradient(x)
+    way = np.tanh(rate / (DIRECTED * np.sqrt(np.mean(rate**2))))
+    turned = splines(x, knots(x)) * way[:, None]
+    return np.c_[way, turned] - np.r_[way.mean(), turned.mean(axis=0)]
 
 
 def product(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,58 +12,52 @@ from steering_diagnosis.engine.evidence import Evidence, HeldOut
 from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Region, Rms
 from steering_diagnosis.engine.fit import Fit
 from steering_diagnosis.engine.intervals import intervals
-from steering_diagnosis.engine.model import Replay
+from steering_diagnosis.engine.noise import mean_square
+from steering_diagnosis.engine.remaining import Left, left_by
 from steering_diagnosis.engine.search import Search
-from steering_diagnosis.engine.structure import (
-    Remains,
-    Structure,
-    band,
-    free_form,
-    region,
-    structures,
-)
+from steering_diagnosis.engine.structure import FreeForm, free_form
 from steering_diagnosis.report import Verdict
 
-LOUD = 2.0
-"""Structure this much over the noise is reported however small beside what is explained."""
+
+@dataclass(frozen=True, repr=False)
+class Kept:
+    """The best model after what cannot stand was taken back, what it leaves, and notes on both.
+
+    against: where the record speaks against what was taken back.
+    """
+
+    best: Fit
+    left: list[Left]
+    notes: tuple[str, ...] = ()
+    against: tuple[Region, ...] = ()
+
+    @property
+    def noise(self) -> np.ndarray:
+        """Mean square of each output of the fitted record that is noise, (outputs,)."""
+        return self.left[0].noise
 
 
 def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     """Judge the best model of a search and gather everything that a report needs."""
     problem, null = search.problem, search.null
-    remains = _remains(search, best, block)
-    left = structures(remains)
-    noise = noise_energy(remains, left)
-    notes: tuple[str, ...] = ()
-    explained = explained_share(problem, null, best, noise)
-    if best.values and explained < problem.settings.least_explained:
-        dropped = f"the best causes explain only {explained:.0%} of the error"
-        best, notes = null, (f"{dropped}: {', '.join(sorted(best.names))}",)
-        remains = _remains(search, best, block)
-        left = structures(remains)
-    seen = [n for n in sorted(best.names) if _stands_out(search, best, n, noise)]
-    for name in sorted(best.names - set(seen)):
-        notes = (*notes, f"{name} was left out: no output's error stands above its noise")
-        best = search.without(best, name)
-        remains = _remains(search, best, block)
-        left = structures(remains)
+    kept = _standing(search, best, block)
+    best, noise = kept.best, kept.noise
     evidence = {n: search.weigh(search.without(best, n), best) for n in sorted(best.names)}
     rivals = {n: _rivals(search, best, n, block) for n in sorted(best.names)}
     causes = _causes(search, best, evidence, rivals, block, noise)
-    regions = _regions(search, best, remains, left, noise) + _second(search, best)
-    term = free_form(remains, max(left, key=lambda s: s.energy / s.noise)) if left else None
+    least = problem.settings.least_unexplained
+    regions = [r for left in kept.left for r in left.regions(least)] or list(kept.against)
     undecidable = _undecidable(search)
-    visible = bool(regions)
     book = problem.book
     call, call0 = book.call(best.z, best.values), book.call(null.z, null.values)
     nominal = problem.known(problem.runs.one(book.call(0.0 * null.z, {})))
     first = search.scores(null)
     return Findings(
-        verdict=_verdict(causes, visible, len(undecidable) == len(book.hypotheses)),
+        verdict=_verdict(causes, bool(regions), len(undecidable) == len(book.hypotheses)),
         causes=causes,
         unexplained=tuple(regions),
         losers=_losers(search, best, evidence, rivals),
-        free_form=term,
+        free_form=_free_form(kept.left[0]),
         outputs=tuple(problem.runs.replay.outputs),
         catalogue=book.nuisances,
         refitted=call0.nuisances,
@@ -71,7 +66,7 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         fitted=_rms(search, noise, nominal, null, best, problem.training),
         held_out=_held_rms(search, noise, nominal, null, best),
         undecidable=undecidable,
-        explained=explained if best.values else 0.0,
+        explained=kept.left[0].explained if best.values else 0.0,
         calls=problem.runs.calls,
         step_s=problem.runs.grid.step_s,
         held_out_samples=_samples_out(search, len(block)),
@@ -81,8 +76,45 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         largest_ratio=first[0].gain if first else 0.0,
         largest_parameters=len(book.hypotheses[first[0].hypothesis].parameters) if first else 1,
         trials=len(search.trials),
-        notes=notes,
+        notes=kept.notes,
     )
+
+
+def _standing(search: Search, best: Fit, block: np.ndarray) -> Kept:
+    """Take back causes that explain too little, that nothing shows, or that leave structure."""
+    left = left_by(search, best, block)
+    notes: tuple[str, ...] = ()
+    unconfirmed: list[Region] = []
+    for name in _unseen(search, best, left[0].noise):
+        notes = (*notes, f"{name} was left out: held out, no output's error stands above its noise")
+        reduced = search.without(best, name)
+        unconfirmed += left[0].unconfirmed(reduced.residual - best.residual)
+        best = reduced
+        left = left_by(search, best, block)
+    if not best.values:
+        return Kept(best, left, notes, tuple(unconfirmed))
+    names = ", ".join(sorted(best.names))
+    if left[0].explained < search.problem.settings.least_explained:
+        why = f"the best causes explain only {left[0].explained:.0%} of the error: {names}"
+        return Kept(search.null, left_by(search, search.null, block), (*notes, why))
+    least = search.problem.settings.spoiling
+    spoiling = tuple(region for record in left for region in record.spoiling(least))
+    if spoiling:
+        outputs = ", ".join(dict.fromkeys(r.output for r in spoiling))
+        why = f"withdrawn, because what they leave in {outputs} is no noise: {names}"
+        return Kept(search.null, left_by(search, search.null, block), (*notes, why), spoiling)
+    return Kept(best, left, notes, tuple(unconfirmed))
+
+
+def _unseen(search: Search, best: Fit, noise: np.ndarray) -> list[str]:
+    return [n for n in sorted(best.names) if not _stands_out(search, best, n, noise)]
+
+
+def _free_form(left: Left) -> FreeForm | None:
+    """Return a smooth term for the strongest structure, if it predicts held-out blocks."""
+    if not left.structures:
+        return None
+    return free_form(left.remains, max(left.structures, key=lambda s: s.energy / s.noise))
 
 
 def _samples_out(search: Search, samples: int) -> np.ndarray:
@@ -98,44 +130,6 @@ def _stands_out(search: Search, best: Fit, name: str, noise: np.ndarray) -> bool
     before = held.energy(held.residual(problem, search.without(best, name)))
     after = held.energy(held.residual(problem, best))
     return bool(np.any(before - after > problem.settings.least_visible * noise))
-
-
-def noise_energy(remains: Remains, left: list[Structure]) -> np.ndarray:
-    """Return the mean square of each output that is noise, (outputs,)."""
-    count = np.maximum(remains.valid.sum(axis=0), 1)
-    noise = np.where(remains.valid, remains.residual**2, 0.0).sum(axis=0) / count
-    for s in left:
-        noise[s.output] = s.noise
-    return np.maximum(noise, remains.floor**2)
-
-
-def explained_share(problem, null: Fit, best: Fit, noise: np.ndarray) -> float:  # type: ignore[no-untyped-def]
-    """Return the share of the refitted model's error energy above the noise that is explained."""
-    before, after = _energy(null.residual, problem.valid), _energy(best.residual, problem.valid)
-    above = np.maximum(before - noise, 0.0) / noise
-    return float(((before - after) / noise).sum() / max(above.sum(), 1e-12))
-
-
-def _energy(residual: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return np.where(rows, residual**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1)
-
-
-def _remains(search: Search, best: Fit, block: np.ndarray) -> Remains:
-    p = search.problem
-    return Remains(
-        p.runs.replay.outputs,
-        best.residual,
-        p.valid,
-        block,
-        _states(p.runs.replay, p.runs.grid),
-        p.floor,
-        p.settings.noise_order,
-        p.runs.grid.density,
-    )
-
-
-def _states(replay: Replay, grid) -> dict[str, np.ndarray]:  # type: ignore[no-untyped-def]
-    return {name: grid.reduce(np.asarray(x, float)) for name, x in replay.states().items()}
 
 
 def _rivals(search: Search, best: Fit, cause: str, block: np.ndarray) -> list[Comparison]:
@@ -195,65 +189,6 @@ def _gain(search: Search, without: Fit, full: Fit, noise: np.ndarray) -> dict[st
     return found
 
 
-def _regions(
-    search: Search, best: Fit, remains: Remains, left: list[Structure], noise: np.ndarray
-) -> list[Region]:
-    before = _energy(search.null.residual, search.problem.valid)
-    step = search.problem.runs.grid.step_s
-    least = search.problem.settings.least_unexplained
-    return _named_regions(remains, left, before, noise, step, least, "fitted record")
-
-
-def _second(search: Search, best: Fit) -> list[Region]:
-    """Return what remains on a second record."""
-    held, p = search.held, search.problem
-    if held.runs is None:
-        return []
-    residual = held.residual(p, best)
-    remains = Remains(
-        held.runs.replay.outputs,
-        residual,
-        held.valid,
-        held.block,
-        _states(held.runs.replay, held.runs.grid),
-        p.floor,
-        p.settings.noise_order,
-        held.runs.grid.density,
-    )
-    left = structures(remains)
-    before = held.energy(held.residual(p, search.null))
-    noise = noise_energy(remains, left)
-    least, step = p.settings.least_unexplained, held.runs.grid.step_s
-    return _named_regions(remains, left, before, noise, step, least, "held-out record")
-
-
-def _named_regions(
-    remains: Remains,
-    left: list[Structure],
-    before: np.ndarray,
-    noise: np.ndarray,
-    step: float,
-    least: float,
-    where: str,
-) -> list[Region]:
-    found = []
-    for s in left:
-        share = float(np.clip(s.energy / max(before[s.output] - noise[s.output], s.energy), 0, 1))
-        if share >= least or s.energy > LOUD * s.noise:
-            output = remains.outputs[s.output]
-            found.append(
-                Region(
-                    output.balance,
-                    output.name,
-                    band(s.part, step),
-                    region(s.part, remains.states),
-                    share,
-                    where,
-                )
-            )
-    return sorted(found, key=lambda r: -r.share)
-
-
 def _undecidable(search: Search) -> dict[str, str]:
     """Return hypotheses whose visible size moves nothing above the noise."""
     problem, noise = search.problem, search.problem.noise(search.null.residual)
@@ -309,7 +244,7 @@ def _verdict(causes: tuple[NamedCause, ...], visible: bool, blind: bool) -> Verd
 def _rms(
     search: Search, noise: np.ndarray, nominal: np.ndarray, null: Fit, best: Fit, rows: np.ndarray
 ) -> dict[str, Rms]:
-    parts = [np.sqrt(_energy(r, rows)) for r in (nominal, null.residual, best.residual)]
+    parts = [np.sqrt(mean_square(r, rows)) for r in (nominal, null.residual, best.residual)]
     return _named_rms(search, np.sqrt(noise), parts)
 
 

@@ -12,7 +12,7 @@ from steering_diagnosis.engine.conclude import conclude
 from steering_diagnosis.engine.evaluate import Call, Evaluator
 from steering_diagnosis.engine.evidence import HeldOut
 from steering_diagnosis.engine.findings import Findings
-from steering_diagnosis.engine.fit import Problem, refit
+from steering_diagnosis.engine.fit import Problem, nominal
 from steering_diagnosis.engine.model import Replay
 from steering_diagnosis.engine.sampling import blocks, held_out, sampling
 from steering_diagnosis.engine.search import Search
@@ -64,7 +64,7 @@ def diagnose(
         if holdout is None
         else _second_record(holdout, settings, executor)
     )
-    null = refit(problem, np.zeros(len(book.nuisances)), {}, 2 * settings.iterations)
+    null = nominal(problem)
     search = Search(problem, held, trials, null, lambda name: tell(_share(runs, expected), name))
     findings = conclude(search, search.best(), block)
     tell(1.0, "done")

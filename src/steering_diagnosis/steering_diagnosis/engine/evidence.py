@@ -15,7 +15,7 @@ from steering_diagnosis.engine.catalogue import scales
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.fit import Fit, Problem
 from steering_diagnosis.engine.intervals import covariance
-from steering_diagnosis.engine.noise import Noise, fit_noise, usable
+from steering_diagnosis.engine.noise import Noise, fit_noise, mean_square, usable
 
 SURE = 2.0
 """Standard errors between an estimate and what would be no cause."""
@@ -64,8 +64,7 @@ class HeldOut:
 
     def energy(self, residual: np.ndarray) -> np.ndarray:
         """Return the mean square of each output on the held-out samples, (outputs,)."""
-        rows = self.rows & self.valid
-        return np.where(rows, residual**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1)
+        return mean_square(residual, self.rows & self.valid)
 
 
 ALIKE = 0.9
@@ -116,10 +115,12 @@ def weigh(
     full: Fit,
     floor: np.ndarray,
     trials: int,
+    whole: float,
 ) -> Evidence:
     """Weigh a model with one more cause against the model without it.
 
-    floor: mean squares that the whole catalogue set free would leave, (outputs,).
+    floor: mean squares that the whole catalogue set free would leave, (outputs,). whole: gain in
+    misfit of all causes together.
     """
     s = problem.settings
     k = sum(len(v) for v in full.values.values()) - sum(len(v) for v in without.values.values())
@@ -136,12 +137,16 @@ def weigh(
     least = s.least_share if first else s.least_share_next
     if problem.book.nuisance_of(cause) is not None:
         least = max(least, s.least_share_parameter)
+    samples = max(float(full.noise.count.max()), 1.0)
+    main = ratio >= s.main_share * whole
+    least_size = s.least_size_main if main else s.least_size
     reasons = [
         (p > s.family_p, f"not significant over the catalogue (p = {p:.2g})"),
+        (ratio < s.least_gain * samples, f"gains only {ratio / samples:.2f} a sample"),
         (bic > -STRONG, f"the information criterion is against it ({bic:+.1f})"),
         (sigmas < s.held_out_sigmas, f"no certain gain on held-out data ({sigmas:.1f} sigma)"),
         (material < least, f"removes only {material:.0%} of the error above the noise"),
-        (size < s.least_size, f"too small to be seen ({size:.0%} of a visible size)"),
+        (size < least_size, f"too small to be seen ({size:.0%} of a visible size)"),
         (not beyond, "its interval reaches into what the tolerances allow"),
         (at_bound(problem, full, cause), "its estimate runs to the end of its bounds"),
     ]
@@ -172,7 +177,7 @@ def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
 def at_bound(problem: Problem, full: Fit, cause: str) -> bool:
     """Return whether a parameter of a cause, shapes aside, stands at its bound."""
     for p, value in zip(problem.book.hypotheses[cause].parameters, full.values[cause], strict=True):
-        margin = 1e-3 * (p.high - p.low)
+        margin = 5e-3 * (p.high - p.low)
         away = abs(value - p.neutral) > margin
         if not p.shape and away and not p.low + margin < value < p.high - margin:
             return True

@@ -8,8 +8,8 @@ the hypotheses are renewed at every step.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -27,6 +27,10 @@ STEP_Z = 0.5
 """Step of the nuisances' differences, in standard deviations."""
 MOVED, TRADES, RENEWED = 1.5, 0.4, 4
 """Nuisances whose columns are renewed: moved so far, or correlated so much; at most so many."""
+REACHED = 1.2
+"""Mean square over what the whole catalogue would leave, from which a fit may be a poor one."""
+WHITE_STEPS = 4
+"""Steps under white noise at most."""
 SMALL = 0.5
 """Gain in twice the log-likelihood at which the iteration ends."""
 FURTHEST = 2.0
@@ -38,7 +42,8 @@ class Problem:
     """Everything that stays fixed while models are fitted to one record.
 
     nuisance: columns of the nuisances, (n, outputs, p). valid, training: (n, outputs) bool.
-    floor: resolution of each output, see ``Settings.resolution``.
+    floor: resolution of each output, see ``Settings.resolution``. frozen: parameters of hypotheses,
+    by name and position, that stay where they are.
     """
 
     runs: Evaluator
@@ -48,6 +53,7 @@ class Problem:
     valid: np.ndarray
     training: np.ndarray
     floor: np.ndarray
+    frozen: frozenset[tuple[str, int]] = frozenset()
 
     def noise(self, residual: np.ndarray) -> Noise:
         """Fit the noise to a residual on the training samples."""
@@ -96,8 +102,17 @@ def assess(problem: Problem, z: np.ndarray, values: Values, residual: np.ndarray
     return Fit(z, values, residual, noise, noise.misfit + float(z @ z))
 
 
-def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | None = None) -> Fit:
-    """Fit nuisances and the parameters of the active hypotheses, from a starting point."""
+def refit(
+    problem: Problem,
+    z: np.ndarray,
+    values: Values,
+    iterations: int | None = None,
+    thorough: bool = False,
+) -> Fit:
+    """Fit nuisances and the parameters of the active hypotheses, from a starting point.
+
+    thorough: renew the columns of all nuisances, not only of those that matter most.
+    """
     z = held(problem.book, z, values)
     now = assess(problem, z, values, problem.residual(z, values))
     nuisance = problem.nuisance
@@ -105,7 +120,7 @@ def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | Non
     for k in range(iterations or problem.settings.iterations):
         columns = renew(problem, now)
         if stale and (values or k):
-            nuisance = renew_nuisances(problem, now, columns, nuisance)
+            nuisance = renew_nuisances(problem, now, columns, nuisance, thorough)
         stale = k in (1, 4, 8)
         step_z, step_values, promised = gauss_newton(problem, now, columns, nuisance)
         now = Fit(now.z, now.values, now.residual, now.noise, now.misfit, columns)
@@ -120,6 +135,79 @@ def refit(problem: Problem, z: np.ndarray, values: Values, iterations: int | Non
         if gained < SMALL:
             break
     return now
+
+
+def settled(problem: Problem, z: np.ndarray, values: Values, floor: np.ndarray) -> Fit:
+    """Return the better of two fits: from the start itself, and from where white noise leads.
+
+    Coloured noise swallows slow errors, and far from the truth it leaves optima of its own. Under
+    white noise of each output's own size slow errors keep their weight. floor: mean squares that
+    the whole catalogue set free would leave, (outputs,): who reaches them needs no second start.
+    """
+    direct = refit(problem, z, values)
+    if np.all(direct.noise.rms**2 < REACHED * floor):
+        return direct
+    start = _white_start(problem, z, values, _own_white)
+    other = refit(problem, start.z, start.values)
+    return min(direct, other, key=misfit)
+
+
+def nominal(problem: Problem) -> Fit:
+    """Return the best fit of the nominal model, against which every cause is weighed.
+
+    From nominal itself, and from where white noise leads: of each output's own size, and of the
+    size of what changes from sample to sample.
+    """
+    none = np.zeros(len(problem.book.nuisances))
+    starts = [none, *(_white_start(problem, none, {}, n).z for n in (_own_white, _fine))]
+    most = 2 * problem.settings.iterations
+    return min((refit(problem, z, {}, most) for z in starts), key=misfit)
+
+
+def _own_white(problem: Problem, fit: Fit) -> Noise:
+    return fit.noise.white
+
+
+def _fine(problem: Problem, fit: Fit) -> Noise:
+    return fit.noise.fine(fit.residual, problem.valid & problem.training, problem.floor)
+
+
+def _white_start(
+    problem: Problem, z: np.ndarray, values: Values, noise_of: Callable[[Problem, Fit], Noise]
+) -> Fit:
+    """Return the point that a few steps under white noise lead to."""
+    z = held(problem.book, z, values)
+    now = assess(problem, z, values, problem.residual(z, values))
+    nuisance = problem.nuisance
+    for k in range(WHITE_STEPS):
+        columns = renew(problem, now)
+        white = replace(now, noise=noise_of(problem, now))
+        if values or k:
+            nuisance = renew_nuisances(problem, white, columns, nuisance, not values)
+        step_z, step_values, promised = gauss_newton(problem, white, columns, nuisance)
+        if promised < SMALL:
+            break
+        better = _line_search(problem, now, step_z, step_values, _under(problem, white.noise))
+        if better is None:
+            break
+        now = better
+    return now
+
+
+def _under(problem: Problem, noise: Noise) -> Callable[[Fit], float]:
+    """Return the measure of a fit under a given noise."""
+    weights = problem.weights()
+
+    def measure(fit: Fit) -> float:
+        white = noise.whiten(fit.residual) * weights
+        return float(np.sum(white**2) + fit.z @ fit.z)
+
+    return measure
+
+
+def misfit(fit: Fit) -> float:
+    """Return a fit's misfit, to rank by."""
+    return fit.misfit
 
 
 def held(book: Catalogue, z: np.ndarray, values: Values) -> np.ndarray:
@@ -154,9 +242,27 @@ def renew(problem: Problem, now: Fit) -> dict[str, np.ndarray]:
 
 
 def renew_nuisances(
-    problem: Problem, now: Fit, columns: Mapping[str, np.ndarray], nuisance: np.ndarray
+    problem: Problem,
+    now: Fit,
+    columns: Mapping[str, np.ndarray],
+    nuisance: np.ndarray,
+    thorough: bool = False,
 ) -> np.ndarray:
-    """Return the nuisances' columns, those renewed that the hypotheses trade with."""
+    """Return the nuisances' columns, those renewed that the hypotheses trade with, or all."""
+    p = len(now.z)
+    chosen = range(p) if thorough else _traded(problem, now, columns, nuisance)
+    steps = np.eye(p)
+    calls = [problem.book.call(now.z + STEP_Z * steps[i], now.values) for i in chosen]
+    fresh = nuisance.copy()
+    for i, r in zip(chosen, problem.runs.many(calls), strict=True):
+        fresh[..., i] = (problem.known(r) - now.residual) / STEP_Z
+    return fresh
+
+
+def _traded(
+    problem: Problem, now: Fit, columns: Mapping[str, np.ndarray], nuisance: np.ndarray
+) -> list[int]:
+    """Return the nuisances that have moved far or that the hypotheses trade with."""
     moved = np.abs(now.z) > MOVED
     stacked = np.concatenate([nuisance, *columns.values()], axis=-1)
     gram, _, _ = normal_equations(problem, now, stacked)
@@ -166,13 +272,7 @@ def renew_nuisances(
     size = np.sqrt(np.maximum(np.diag(spread), 1e-300))
     trade = np.abs(spread[:p, p:] / size[:p, None] / size[None, p:]).max(axis=1, initial=0.0)
     urgency = np.where(moved, 1.0 + np.abs(now.z), trade)
-    chosen = [i for i in np.argsort(-urgency)[:RENEWED] if urgency[i] > TRADES]
-    steps = np.eye(p)
-    calls = [problem.book.call(now.z + STEP_Z * steps[i], now.values) for i in chosen]
-    fresh = nuisance.copy()
-    for i, r in zip(chosen, problem.runs.many(calls), strict=True):
-        fresh[..., i] = (problem.known(r) - now.residual) / STEP_Z
-    return fresh
+    return [int(i) for i in np.argsort(-urgency)[:RENEWED] if urgency[i] > TRADES]
 
 
 def gauss_newton(
@@ -194,15 +294,22 @@ def gauss_newton(
             low[book.index[wrong]], high[book.index[wrong]] = -1e-9, 1e-9
     for name, u in zip(names, unit, strict=True):
         least, most = bounds(book.hypotheses[name])
+        fixed = fixed_sizes(problem, name, len(u))
+        least[fixed] = most[fixed] = now.values[name][fixed]
         low = np.append(low, (least - now.values[name]) / u - 1e-12)
         high = np.append(high, (most - now.values[name]) / u + 1e-12)
     step = bounded(gram, slope, low, high)
     promised = float(2.0 * slope @ step - step @ gram @ step)
     values, at = {}, p
     for name, u in zip(names, unit, strict=True):
-        values[name] = step[at : at + len(u)] * u
+        values[name] = np.where(fixed_sizes(problem, name, len(u)), 0.0, step[at : at + len(u)] * u)
         at += len(u)
     return step[:p], values, promised
+
+
+def fixed_sizes(problem: Problem, name: str, count: int) -> np.ndarray:
+    """Return which of a hypothesis's parameters stay where they are, (count,)."""
+    return np.array([(name, i) in problem.frozen for i in range(count)], bool)
 
 
 def normal_equations(
@@ -252,10 +359,14 @@ def _updated(
 
 
 def _line_search(
-    problem: Problem, now: Fit, step_z: np.ndarray, step_values: Mapping[str, np.ndarray]
+    problem: Problem,
+    now: Fit,
+    step_z: np.ndarray,
+    step_values: Mapping[str, np.ndarray],
+    measure: Callable[[Fit], float] = misfit,
 ) -> Fit | None:
-    """Return the first of halved steps that improves, None where none does."""
-    book = problem.book
+    """Return the first of shortened steps that improves a measure, None where none does."""
+    book, present = problem.book, measure(now)
     for share in (1.0, 0.4, 0.1):
         z = now.z + share * step_z
         values = {
@@ -263,6 +374,6 @@ def _line_search(
             for n, v in now.values.items()
         }
         trial = assess(problem, z, values, problem.residual(z, values))
-        if trial.misfit < now.misfit:
+        if measure(trial) < present:
             return trial
     return None

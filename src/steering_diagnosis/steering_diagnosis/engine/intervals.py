@@ -12,8 +12,11 @@ import numpy as np
 from scipy import stats
 
 from steering_diagnosis.engine.catalogue import bounds, scales
-from steering_diagnosis.engine.fit import Fit, Problem, gram_of
+from steering_diagnosis.engine.fit import Fit, Problem, fixed_sizes, gram_of
 from steering_diagnosis.engine.screen import active_columns
+
+FIXED = 1e6
+"""Weight of a parameter that stays where it is, over all others together."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,9 @@ def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
     gram = gram_of(c, weights**2)
     p = problem.nuisance.shape[-1]
     gram[np.arange(p), np.arange(p)] += 1.0
+    fixed = [fixed_sizes(problem, n, len(v)) for n, v in fit.values.items()]
+    at = p + np.flatnonzero(np.concatenate([np.zeros(0, bool), *fixed]))
+    gram[at, at] += FIXED * np.trace(gram)
     matrix = np.linalg.pinv(gram, hermitian=True)
     if not len(block):
         return Covariance(matrix, np.zeros((0, len(matrix))))

@@ -55,6 +55,8 @@ class Hypothesis:
     balance: where it acts. competes: nuisances that express the same thing within tolerance; it is
     named only beyond that. excitation: what a record needs to show it. summary: for the report.
     separating: text of an experiment that tells it from what looks alike, where the effect knows.
+    exact: its formula is the only one there is (an offset, a gain, a mass), so that a large one
+    leaves nothing for others to fit.
     """
 
     name: str
@@ -64,6 +66,7 @@ class Hypothesis:
     competes: tuple[str, ...] = ()
     excitation: str = ""
     separating: str = ""
+    exact: bool = False
 
 
 Effects = Mapping[str, Mapping[str, float]]

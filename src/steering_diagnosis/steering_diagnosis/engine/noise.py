@@ -6,7 +6,7 @@ independent samples (Box, Jenkins: Time Series Analysis, ch. 7; Ljung: System Id
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,6 +40,16 @@ class Noise:
         """The same energy without colour: the first idea that trusts slow errors most."""
         return Noise(0.0 * self.coefficients, np.maximum(self.rms, self.sd), self.count, self.rms)
 
+    def fine(self, residual: np.ndarray, rows: np.ndarray, floor: np.ndarray) -> Noise:
+        """White noise as strong as what changes from sample to sample: slow errors are none of it.
+
+        residual, rows: (n, outputs); floor: least standard deviation, (outputs,).
+        """
+        kept = rows[2:] & rows[1:-1] & rows[:-2]
+        bends = np.where(kept, np.diff(residual, 2, axis=0) ** 2, 0.0)
+        sd = np.sqrt(bends.sum(axis=0) / (6.0 * np.maximum(kept.sum(axis=0), 1)))
+        return replace(self, coefficients=0.0 * self.coefficients, sd=np.maximum(sd, floor))
+
     @property
     def misfit(self) -> float:
         """Minus twice the concentrated log-likelihood, up to a constant of the record."""
@@ -51,6 +61,11 @@ class Noise:
         white = np.zeros_like(flat)
         whiten(flat, self.coefficients, self.sd, white)
         return white.reshape(values.shape)
+
+
+def mean_square(residual: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return the mean square of each output on the rows, (outputs,)."""
+    return np.where(rows, residual**2, 0.0).sum(axis=0) / np.maximum(rows.sum(axis=0), 1)
 
 
 def usable(valid: np.ndarray, order: int) -> np.ndarray:

@@ -161,7 +161,10 @@ def _reach(problem: Problem, t: Template) -> tuple[np.ndarray, np.ndarray]:
     free = list(t.free)
     unit = np.where(t.unit == 0.0, 1.0, t.unit)
     a, b = (low - t.start)[free] / unit, (high - t.start)[free] / unit
-    return np.minimum(a, b) - 1e-9, np.maximum(a, b) + 1e-9
+    low, high = np.minimum(a, b) - 1e-9, np.maximum(a, b) + 1e-9
+    low[0] = max(low[0], min(t.least - 1e-9, high[0]))
+    high[0] = max(min(high[0], t.most + 1e-9), low[0] + 1e-9)
+    return low, high
 
 
 def _own_noise(problem: Problem, now: Fit, trial: Template, noise: Noise) -> Score:

@@ -26,7 +26,7 @@ class Settings:
 
     # Search
     screened: int = 14
-    """Hypotheses that go from the linear screening to the linear refit with their own noise."""
+    """Hypotheses that go, for each idea of the noise, on to the linear refit with their own."""
     refitted: int = 5
     """Hypotheses that go on to the nonlinear refit."""
     beam: int = 2
@@ -38,6 +38,9 @@ class Settings:
     # Decision
     family_p: float = 1e-3
     """Probability of a false name on a clean record, over the whole catalogue."""
+    least_gain: float = 0.5
+    """Gain in misfit of a cause over an output's independent samples, at least: what clean records
+    gain by a wrong cause, because their form is not quite the model's, is a matter of the model."""
     least_visible: float = 0.1
     """Energy that a cause takes off one held-out output at least, over that output's noise."""
     least_share: float = 0.10
@@ -50,6 +53,9 @@ class Settings:
     """Likelihood ratio of a further cause over the largest one's, at least."""
     least_size: float = 0.2
     """Of a hypothesis's visible (typical) size; smaller ones are not named."""
+    least_size_main: float = 0.09
+    """The same for a cause that carries the main share of what all causes gain: no leftover."""
+    main_share: float = 0.5
     least_explained: float = 0.45
     """Share that all causes together have to explain, else nothing is named."""
     held_out_sigmas: float = 1.7
@@ -58,7 +64,10 @@ class Settings:
     """A rival whose likelihood is within so many standard errors of the best is as good."""
     collinear: float = 0.95
     """Rivals are one group from this cosine of their projected sensitivities."""
-    form_uncertainty: float = 0.02
+    form_uncertainty: float = 0.035
     """Relative standard deviation of a parameter because the truth follows another formula."""
     least_unexplained: float = 0.2
     """Share of the refitted error that is reported as unexplained structure."""
+    spoiling: float = 0.03
+    """Structure in an output over what the causes explain there, in their own frequencies, from
+    which they are not the causes: another formula for the same phenomenon leaves less."""

@@ -15,7 +15,15 @@ from itertools import combinations
 import numpy as np
 from scipy import signal, stats
 
-from steering_diagnosis.engine.basis import knots, product, repeated, single, splines, usable_state
+from steering_diagnosis.engine.basis import (
+    by_direction,
+    knots,
+    product,
+    repeated,
+    single,
+    splines,
+    usable_state,
+)
 from steering_diagnosis.engine.evidence import certainty
 from steering_diagnosis.engine.model import Output
 from steering_diagnosis.engine.noise import Noise, fit_noise, usable
@@ -26,8 +34,11 @@ SIGMAS = 4.0
 TOGETHER = 3
 VISIBLE = 0.3
 """Predictable energy over the noise's from which structure is visible."""
-SCATTER = 5.0
-"""Structure is visible from so many resolutions: a tenth of what the tolerances scatter."""
+COARSE, VISIBLE_COARSE = 0.05, 1.2
+"""Where the resolution is below this share of the noise, tolerances show nothing of how well an
+output can be modelled: structure has to exceed the noise."""
+SCATTER = 2.5
+"""Structure is visible from so many resolutions: a twentieth of what the tolerances scatter."""
 SHARED_SCATTER = 15.0
 """An error that outputs share counts from so many resolutions: a third of the scatter."""
 SHIFTS = (-2, -1, 0, 1, 2)
@@ -78,7 +89,11 @@ def structures(remains: Remains) -> list[Structure]:
     states = {n: usable_state(x) for n, x in remains.states.items()}
     functions = {n: (x, single(x)) for n, x in states.items() if x is not None}
     # What repeats along a state, as a worn screw or tooth does, is finer than a smooth curve.
-    functions |= {f"{n}, fine": (x, repeated(x)) for n, (x, _) in tuple(functions.items())}
+    more = {f"{n}, fine": (x, repeated(x)) for n, (x, _) in functions.items()}
+    # A speed's direction is an acceleration, which friction and hysteresis know nothing of.
+    kept = {n: x for n, (x, _) in functions.items() if "/s" not in n}
+    more |= {f"{n}, by direction": (x, by_direction(x)) for n, x in kept.items()}
+    functions |= more
     found = []
     for j in range(len(remains.outputs)):
         if usable(remains.valid, remains.order)[:, j].sum() > 20 * remains.order:
@@ -200,7 +215,8 @@ def _bursts(remains: Remains, j: int) -> Structure | None:
 
 def _least(remains: Remains, noise: float, j: int) -> float:
     """Return the energy from which structure is visible: over noise and tolerances' scatter."""
-    return VISIBLE * noise + (SCATTER * remains.floor[j]) ** 2
+    coarse = remains.floor[j] ** 2 < COARSE**2 * noise
+    return (VISIBLE_COARSE if coarse else VISIBLE) * noise + (SCATTER * remains.floor[j]) ** 2
 
 
 def _excitation(remains: Remains) -> np.ndarray:

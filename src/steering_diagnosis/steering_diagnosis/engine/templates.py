@@ -11,13 +11,17 @@ from steering_diagnosis.engine.catalogue import Catalogue, scale
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.model import Hypothesis
 
+FAR = 5.0
+"""Largest step, in typical sizes, of a hypothesis that has shapes only."""
+
 
 @dataclass(frozen=True)
 class Template:
     """One trial of a hypothesis: residual changes linearly with the free parameters.
 
     start: parameter values that the columns start from (free ones neutral), (k,). free: their
-    positions. unit: step of each column. columns: (n, outputs, len(free)).
+    positions. unit: step of each column. columns: (n, outputs, len(free)). least, most: how many
+    steps the columns speak for.
     """
 
     hypothesis: str
@@ -25,6 +29,8 @@ class Template:
     free: tuple[int, ...]
     unit: np.ndarray
     columns: np.ndarray
+    least: float = -np.inf
+    most: float = np.inf
 
     def values(self, u: np.ndarray) -> np.ndarray:
         """Return the parameters at the free coordinates ``u``."""
@@ -57,10 +63,11 @@ def templates(
         for start, free in _trials(h, grid)
     ]
     steps = [
-        (h, start, free, sign * _unit(h, free))
+        (h, start, free, sign * unit)
         for h, start, free in trials
+        for unit in _units(h, free, grid)
         for sign in (1.0, -1.0)
-        if sign > 0.0 or _signed(h, start, free)
+        if sign > 0.0 or _signed(h, start, free, unit)
     ]
     none = np.zeros(len(book.nuisances))
     calls = []
@@ -73,8 +80,9 @@ def templates(
     found: list[Template] = []
     for h, start, free, unit in steps:
         columns = np.stack([next(answers) - base for _ in free], axis=-1)
-        if unit[0] * _unit(h, free)[0] > 0.0 or not _mirrors(found[-1].columns, columns):
-            found.append(Template(h.name, start, free, unit, columns))
+        backwards = unit[0] * (h.parameters[free[0]].typical - h.parameters[free[0]].neutral) < 0.0
+        if not backwards or not _mirrors(found[-1].columns, columns):
+            found.append(Template(h.name, start, free, unit, columns, *_spoken_for(h, unit, grid)))
     for h in book.hypotheses.values():
         name = book.nuisance_of(h.name)
         if name is not None:
@@ -87,13 +95,32 @@ def templates(
     return found
 
 
-def _unit(h: Hypothesis, free: tuple[int, ...]) -> np.ndarray:
-    return np.array([h.parameters[i].typical - h.parameters[i].neutral for i in free])
+def _units(h: Hypothesis, free: tuple[int, ...], grid: Sequence[float]) -> list[np.ndarray]:
+    """Return the steps of a trial: typical sizes, and where all are shapes more of them.
+
+    A gap, a stop or a delay moves nothing until it is reached, and is far from linear then.
+    """
+    typical = np.array([h.parameters[i].typical - h.parameters[i].neutral for i in free])
+    if not all(h.parameters[i].shape for i in free):
+        return [typical]
+    room = np.array([h.parameters[i].high - h.parameters[i].neutral for i in free])
+    return [np.minimum(factor * typical, 0.9 * room) for factor in (*grid, FAR)]
 
 
-def _signed(h: Hypothesis, start: np.ndarray, free: tuple[int, ...]) -> bool:
-    """Return whether the typical size may also be taken the other way."""
-    back = start[list(free)] - _unit(h, free)
+def _spoken_for(h: Hypothesis, unit: np.ndarray, grid: Sequence[float]) -> tuple[float, float]:
+    """Return how many of its steps a template's columns speak for, at least and at most.
+
+    Of shapes alone for none but itself; the smallest step for smaller ones too.
+    """
+    if not all(p.shape for p in h.parameters):
+        return -np.inf, np.inf
+    smallest = min(grid) * scale(h.parameters[0]) * (1.0 + 1e-9)
+    return (0.0 if abs(unit[0]) <= smallest else 1.0), 1.0
+
+
+def _signed(h: Hypothesis, start: np.ndarray, free: tuple[int, ...], unit: np.ndarray) -> bool:
+    """Return whether a step may also be taken the other way."""
+    back = start[list(free)] - unit
     low = np.array([h.parameters[i].low for i in free])
     high = np.array([h.parameters[i].high for i in free])
     return bool(np.all((back >= low) & (back <= high)))

@@ -98,8 +98,10 @@ def _remaining(page: Page, diagnosis: Diagnosis) -> None:
         text = f"{part.balance}, {band}, {part.region}: {percent(part.share)} of the error's energy"
         page.add(paragraph(text))
     if diagnosis.free_form:
-        text = str(diagnosis.free_form.get("description", ""))
-        page.add(paragraph(f"A free-form term predicts held-out data better: {text}", "note"))
+        term = diagnosis.free_form
+        taken = f"{percent(term['gain'])} off {words(term['output'])}"
+        text = f"a curve over {term['state']} takes {taken}"
+        page.add(paragraph(f"A free-form term predicts held-out data better: {text}.", "note"))
 
 
 def _where(page: Page, diagnosis: Diagnosis) -> None:

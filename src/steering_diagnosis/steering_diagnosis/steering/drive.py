@@ -33,6 +33,9 @@ RUN_UP = 200
 BEYOND_HZ = 3.0
 """Lowest cut-off for what a load cell measures beyond the load's command."""
 
+LONE_HZ = 250.0
+"""Cut-off for a load cell without the load's command: what shakes the rack is in it alone."""
+
 SLOW_HZ = 1.0
 """Lowest cut-off for what a sensor measures beyond the integrated speed."""
 
@@ -125,7 +128,7 @@ class Drive:
         self._moving = moving = begins_moving(record["steering_wheel_angle"])
         self._cutoff_hz = cutoff_hz
         self.curves = {
-            name: Curve(record[name], negligible, RUN_UP, moving, cutoff_hz)
+            name: Curve(record[name], negligible, RUN_UP, moving, self._low_pass_of(name))
             for name, negligible in NEGLIGIBLE.items()
             if name in record
         }
@@ -204,6 +207,18 @@ class Drive:
             rise[:-1] = force[1:] - held[:-1, states.LOAD_FORCE]
         return Driven(np.array(at), np.column_stack(given), np.column_stack(slopes), held, rise)
 
+    @property
+    def knows_load(self) -> bool:
+        """Return whether the load's command is known beside what the load cell measures."""
+        return {*LOAD_COMMAND, "rack_position"} <= set(self.record.channels)
+
+    def _low_pass_of(self, channel: str) -> float | None:
+        """Return the cut-off [Hz] of a channel's low-pass, None: where its signal ends."""
+        if self._cutoff_hz is None and channel == "rack_force" and not self.knows_load:
+            noisy = spectrum(bridged(self.record[channel])).noise > NEGLIGIBLE[channel]
+            return LONE_HZ if noisy else None
+        return self._cutoff_hz
+
     def _use_speed(self, position: str, speed: str) -> None:
         """Take fast motion from the speed's channel, where that is the quieter one.
 
@@ -226,9 +241,8 @@ class Drive:
 
     def _load_command(self) -> LoadCommand | None:
         """Return the load's command where it is known, and how it jumps at the ticks."""
-        known = {*LOAD_COMMAND, "rack_position"} <= set(self.record.channels)
         self._jump = np.zeros(RUN_UP + len(self.record))
-        if not known:
+        if not self.knows_load:
             return None
         command = LoadCommand(self.record, self.curves["rack_position"].values[RUN_UP:])
         if self.load == "cell":

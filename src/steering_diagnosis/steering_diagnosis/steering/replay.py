@@ -13,13 +13,17 @@ from steering_core.parameters import ParameterSet
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
 from steering_diagnosis.steering import ripple, suspects
-from steering_diagnosis.steering.drive import Drive
+from steering_diagnosis.steering.drive import RUN_UP, Drive
 from steering_diagnosis.steering.full_model import full_model
 from steering_diagnosis.steering.outputs import Predicted, Run, acting, outputs_of
 from steering_diagnosis.steering.simulation import Simulation
 
 UNSETTLED = 300
 """Samples at the beginning that are not judged: hidden states are only guessed there."""
+
+FRICTIONLESS, LONGEST = 6.0, 0.25
+"""Friction displacements that the rack moves until its friction is what the motion made it; and the
+share of a record that is given up for it at most."""
 
 CUT_OFF = 100
 """Samples at the end that are not judged: smooth inputs have no future there."""
@@ -61,7 +65,7 @@ class SteeringReplay:
         if like is None:
             self._look_for_ripple()
         self.judged = np.ones(len(record), dtype=bool)
-        self.judged[:UNSETTLED] = False
+        self.judged[: settled(self.drive)] = False
         self.judged[-CUT_OFF:] = False
         if record.excluded is not None:
             self.judged &= ~record.excluded
@@ -74,10 +78,10 @@ class SteeringReplay:
         """Begin the hypothesis of ripple at its line; leave it out where there is none."""
         if ripple.EFFECT not in self.hypotheses:
             return
-        line, settled = None, slice(UNSETTLED, len(self.record) - CUT_OFF)
+        line, judged = None, slice(UNSETTLED, len(self.record) - CUT_OFF)
         if ripple.CHANNEL in self.record:
             error = ripple.supply_error(self.run({}, {}))
-            line = ripple.find_line(error[settled])
+            line = ripple.find_line(error[judged])
         kept = {n: h for n, h in self.hypotheses.items() if n != ripple.EFFECT}
         if line is None:
             why = "no line stands out of the supply pressure between 25 and 450 Hz"
@@ -145,6 +149,20 @@ class SteeringReplay:
         }
 
 
+def settled(drive: Drive) -> int:
+    """Return the first sample that is judged.
+
+    Before it hidden states are guessed, and the rack's friction depends on how the rack came there.
+    """
+    nominal = drive.record.nominal
+    angle = drive.curves["steering_wheel_angle"].values[RUN_UP:]
+    reach = FRICTIONLESS * nominal["mechanics.rack_friction_displacement"]
+    moved = np.maximum.accumulate(angle) - np.minimum.accumulate(angle)
+    free = np.flatnonzero(moved / nominal["mechanics.gear_ratio"] > reach)
+    longest = max(UNSETTLED, int(LONGEST * len(angle)))
+    return int(np.clip(free[0] if len(free) else longest, UNSETTLED, longest))
+
+
 def bind(record: Record) -> BoundModel:
     """Return the replay of a record with what the report must say of it."""
     replay = SteeringReplay(record)
@@ -152,13 +170,17 @@ def bind(record: Record) -> BoundModel:
 
 
 def possible(nominal: ParameterSet, values: Mapping[str, float]) -> dict[str, float]:
-    """Return ``values`` with those that must be positive, and were, kept positive."""
+    """Return ``values`` with those that must be positive, and were, kept positive.
+
+    No sensor is early.
+    """
     found = {}
     for name, value in values.items():
         minimum = nominal.info(name).minimum
         least = LEAST_SHARE * nominal[name]
         positive = least > 0.0 and (minimum is None or minimum >= 0.0)
-        found[name] = max(value, least) if positive else value
+        late = name.endswith(".delay")
+        found[name] = max(value, least) if positive or late else value
     return found
 
 

@@ -49,7 +49,11 @@ class Line:
 
 
 def find_line(residual: np.ndarray) -> Line | None:
-    """Return the strongest line in a residual (n,), or None where nothing stands out."""
+    """Return the clearest line in a residual (n,), or None where nothing stands out.
+
+    Where that is the second harmonic of a stronger line, it is the stronger one: the background
+    falls with frequency, so that a harmonic may stand out more.
+    """
     n = len(residual)
     power = np.abs(np.fft.rfft(residual * signal.windows.hann(n, False))) ** 2
     hz = np.fft.rfftfreq(n, PERIOD_S)
@@ -63,9 +67,18 @@ def find_line(residual: np.ndarray) -> Line | None:
     peak = int(inside[np.argmax(power[inside] / background[inside])])
     if power[peak] < PROMINENCE * background[peak]:
         return None
+    peak = _fundamental(power, background, peak, int(inside[0]))
     below, top, above = np.log(power[peak - 1 : peak + 2])
     shift = 0.5 * (below - above) / (below - 2.0 * top + above)
     return Line(float(hz[peak] + shift * hz[1]), float(hz[1]))
+
+
+def _fundamental(power: np.ndarray, background: np.ndarray, peak: int, lowest: int) -> int:
+    """Return the line at half the frequency, where that one has more power, else ``peak``."""
+    around = np.arange(peak // 2 - 1, peak // 2 + 3)
+    half = int(around[np.argmax(power[around])])
+    stands_out = power[half] > max(PROMINENCE * background[half], power[peak])
+    return half if half >= lowest and stands_out else peak
 
 
 def shifted(line: Line) -> tuple[Predicted, ...]:

@@ -153,8 +153,13 @@ class Simulation:
         return rows
 
     def _start(self, par: np.ndarray, driven: Driven, parameters: ParameterSet) -> np.ndarray:
-        """Return the state to begin the run-up with: at rest, but where it was measured."""
+        """Return the state to begin the run-up with: at rest, but where it was measured.
+
+        By the nominal sensors: the beginning must follow from what is remembered with the result,
+        plant and inputs, and from nothing else.
+        """
         model, drive = full_model(self.valve_system), self.drive
+        sensors = drive.record.nominal
         group = "servo_valve" if self.valve_system == "servo_valve" else "valve_controller"
         nominal = rest_state(par, self.table, parameters[f"{group}.common_pressure_raise"])
         measured = {}
@@ -164,7 +169,7 @@ class Simulation:
             ("right_pressure", states.RIGHT),
         ):
             if channel in drive.curves:
-                measured[state] = drive.felt(channel, parameters)[0]
+                measured[state] = drive.felt(channel, sensors)[0]
         for state, value in measured.items():
             nominal[state] = value if state == states.POSITION else max(value, 0.0)
         if "rack_position" not in drive.curves:
@@ -174,7 +179,7 @@ class Simulation:
             nominal[states.LEFT_VALVE + states.CONTROL] = nominal[states.LEFT]
             nominal[states.RIGHT_VALVE + states.CONTROL] = nominal[states.RIGHT]
         elif self.valve_system == "open_centre" and "supply_pressure" in drive.curves:
-            nominal[states.PUMP] = max(drive.felt("supply_pressure", parameters)[0], 0.0)
+            nominal[states.PUMP] = max(drive.felt("supply_pressure", sensors)[0], 0.0)
         at_rest = rest_signals(par[0], self.names, nominal)
         if drive.valves and self.valve_system != "open_centre":
             at_rest["left_solenoid"] = driven.held[0, states.LEFT_SOLENOID]
@@ -189,7 +194,8 @@ class Simulation:
         channels = ("torsion_bar_torque", "left_pressure", "right_pressure")
         if self.drive.load != "cell" or not all(c in self.drive.curves for c in channels):
             return 0.0
-        torque = self.drive.felt("torsion_bar_torque", parameters)[: RUN_UP // 4].mean()
+        sensors = self.drive.record.nominal
+        torque = self.drive.felt("torsion_bar_torque", sensors)[: RUN_UP // 4].mean()
         pressed = (y[states.RIGHT] - y[states.LEFT]) * parameters["mechanics.piston_area"]
         force = driven.held[: RUN_UP // 4, states.LOAD_FORCE].mean()
         left = pressed + torque * parameters["mechanics.gear_ratio"] - force

@@ -107,6 +107,7 @@ class Curve:
         self.values = np.concatenate([led_in, values])
         self._time = np.arange(len(self.values)) * PERIOD_S
         self._spline = CubicSpline(self._time, self.values)
+        self._plain: dict[int, np.ndarray] = {}
 
     def replaced(self, values: np.ndarray) -> Curve:
         """Return a curve with other ``values`` (n,), smooth already, for the same sensor."""
@@ -117,6 +118,10 @@ class Curve:
 
     def taken(self, delay: float = 0.0, lag: float = 0.0, order: int = 0) -> np.ndarray:
         """Return the ``order``-th derivative of what a sensor with ``delay`` and ``lag`` felt."""
+        if delay == 0.0 and lag == 0.0:
+            if order not in self._plain:
+                self._plain[order] = self._spline(self._time, order)
+            return self._plain[order]
         time = self._time if delay == 0.0 else np.minimum(self._time + delay, self._time[-1])
         felt = self._spline(time, order)
         return felt if lag == 0.0 else felt + lag * self._spline(time, order + 1)

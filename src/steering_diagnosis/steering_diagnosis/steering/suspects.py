@@ -52,6 +52,12 @@ FELT = {
 """Beginnings of the names of parameters that a valve system's plant feels."""
 
 BOOST_FORMULA = ("open_centre.boost_scale", "open_centre.boost_rate")
+EXACT = ("rack_mass", "torsion_bar_stiffness", "sensor_offset", "sensor_gain")
+"""Parts of the names of effects whose formula is the only one there is."""
+
+LOAD_CELL_DELAY, LATE = "rack_force_sensor.delay", 2e-3
+"""An amplifier's and a converter's delay [s] that needs no explanation."""
+
 RACK_BALANCES = ("rack force",)
 VALVE_BALANCES = (
     "valve flow",
@@ -89,7 +95,10 @@ def _sheet(drive: Drive, parameters: ParameterSet) -> list[Nuisance]:
 
 
 def _sensors(drive: Drive, parameters: ParameterSet) -> list[Nuisance]:
-    """Return offset and gain of each sensor; a sensor of two channels is named once."""
+    """Return offset and gain of each sensor, and how late a load cell is that drives the replay.
+
+    A sensor of two channels is named once. Beside the load's command the cell's age is known.
+    """
     found: dict[str, Nuisance] = {}
     for channel, made in MEASURED.items():
         if channel not in drive.record:
@@ -98,6 +107,8 @@ def _sensors(drive: Drive, parameters: ParameterSet) -> list[Nuisance]:
             full = f"{SENSORS[channel]}.{name}"
             if tolerance > 0.0 and full not in found:
                 found[full] = Nuisance(full, unit, parameters[full], tolerance)
+    if drive.load == "cell" and not drive.knows_load:
+        found[LOAD_CELL_DELAY] = Nuisance(LOAD_CELL_DELAY, "s", parameters[LOAD_CELL_DELAY], LATE)
     return list(found.values())
 
 
@@ -140,6 +151,7 @@ def _hypothesis(effect: Effect, valve_system: str, nuisance_names: set[str]) -> 
         competes=tuple(dict.fromkeys(name for name in competing if name in nuisance_names)),
         excitation=effect.excitation,
         separating=effect.separating,
+        exact=any(part in effect.name for part in EXACT),
     )
 
 

@@ -29,7 +29,7 @@ EFFECT = Effect(
     competes=("mechanics.rack_friction",),
     parameters={
         "breakaway": Parameter("force above sliding friction", "N", 0, 0, 1000, 100),
-        "speed": Parameter("at which 37 % of it are left", "m/s", 0.003, 2e-4, 0.1, 0.003, True),
+        "speed": Parameter("at which 37 % of it are left", "m/s", 0.003, 1e-3, 0.1, 0.003, True),
     },
     slots={"rack_friction_limit": rack_friction_limit},
 )

@@ -1,0 +1,175 @@
+"""What the best model leaves on each record: noise, and structure that may spoil its causes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from steering_diagnosis.engine.evaluate import Evaluator
+from steering_diagnosis.engine.findings import Region
+from steering_diagnosis.engine.fit import FURTHEST, Fit, bounded, gram_of
+from steering_diagnosis.engine.model import Output
+from steering_diagnosis.engine.noise import fit_noise, mean_square, usable
+from steering_diagnosis.engine.search import Search
+from steering_diagnosis.engine.structure import Remains, Structure, band, region, structures
+
+REFITS = 3
+"""Rounds of nuisances and noise on the second record; the noise is taken for white at first."""
+LOUD = 2.0
+"""Structure this much over the noise is reported however small beside what is explained."""
+APART = 2.0
+"""Bands a factor apart are those of different phenomena."""
+CONCERNED = 0.1
+"""Share of all that the causes explain, in units of noise, from which an output concerns them."""
+
+
+@dataclass(frozen=True, repr=False)
+class Left:
+    """What a model leaves on one record.
+
+    where: which record. before, after: mean squares of the refitted nominal model and of the best
+    one, (outputs,). noise: mean square of each output that is noise, (outputs,). explained_part:
+    what the best model takes off the refitted nominal one's residual, (n, outputs).
+    """
+
+    where: str
+    remains: Remains
+    structures: Sequence[Structure]
+    before: np.ndarray
+    after: np.ndarray
+    noise: np.ndarray
+    explained_part: np.ndarray
+    step_s: float
+
+    def regions(self, least: float) -> list[Region]:
+        """Return the structure worth reporting: a share of the error above the noise, or loud."""
+        found = []
+        for s in self.structures:
+            above = max(self.before[s.output] - self.noise[s.output], s.energy)
+            share = float(np.clip(s.energy / above, 0.0, 1.0))
+            if share >= least or s.energy > LOUD * s.noise:
+                found.append(self._region(s, share))
+        return sorted(found, key=lambda r: -r.share)
+
+    def _region(self, s: Structure, share: float) -> Region:
+        output: Output = self.remains.outputs[s.output]
+        where = region(s.part, self.remains.states)
+        return Region(
+            output.balance, output.name, band(s.part, self.step_s), where, share, self.where
+        )
+
+    @property
+    def explained(self) -> float:
+        """Share of the refitted model's error energy above the noise that is explained."""
+        above = np.maximum(self.before - self.noise, 0.0) / self.noise
+        return float(((self.before - self.after) / self.noise).sum() / max(above.sum(), 1e-12))
+
+    def unconfirmed(self, part: np.ndarray) -> list[Region]:
+        """Return where a cause's part of the error, (n, outputs), is loud on this record."""
+        energy = mean_square(part, self.remains.valid)
+        found = []
+        for j in np.flatnonzero(energy > LOUD * self.noise):
+            s = Structure(int(j), float(energy[j]), float(self.noise[j]), part[:, j], "cause", "")
+            found.append(self._region(s, 1.0))
+        return found
+
+    def spoiling(self, least: float) -> list[Region]:
+        """Return structure where the causes act that is more than another formula would leave.
+
+        least: share of what is explained there. What lies in other frequencies than that is another
+        phenomenon.
+        """
+        explained = np.maximum(self.before - self.after, 0.0)
+        weight = explained / self.noise
+        found = []
+        for s in self.structures:
+            share = s.energy / max(explained[s.output], 1e-300)
+            concerned = weight[s.output] > CONCERNED * weight.sum()
+            if share > least and concerned and self._in_band(s):
+                found.append(self._region(s, float(min(share, 1.0))))
+        return found
+
+    def _in_band(self, s: Structure) -> bool:
+        """Return whether structure overlaps with the frequencies of what is explained."""
+        low, high = band(s.part, self.step_s)
+        from_hz, to_hz = band(self.explained_part[:, s.output], self.step_s)
+        return low <= APART * to_hz and from_hz <= APART * high
+
+
+def left_by(search: Search, best: Fit, block: np.ndarray) -> list[Left]:
+    """Return what the best model leaves on the fitted record and on a second one."""
+    p, held = search.problem, search.held
+    null = search.null.residual
+    found = [_left(search, p.runs, best.residual, null, p.valid, block, "fitted record")]
+    if held.runs is not None:
+        residual = _within_tolerance(search, held.residual(p, best), best.z)
+        before = held.residual(p, search.null)
+        found.append(
+            _left(search, held.runs, residual, before, held.valid, held.block, "held-out record")
+        )
+    return found
+
+
+def _within_tolerance(search: Search, residual: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Return the second record's residual with nuisances refitted there, (n, outputs).
+
+    What another value within tolerance explains is no structure: one record leaves some open.
+    """
+    p, held, columns = search.problem, search.held, search.held_nuisance
+    assert held.runs is not None
+    order, density = p.settings.noise_order, held.runs.grid.density
+    rows = usable(held.valid, order)
+    noise = fit_noise(residual, rows, p.floor, order, density).white
+    left = residual
+    for _ in range(REFITS):
+        white = noise.whiten(np.concatenate([columns, residual[..., None]], axis=-1))
+        gram = gram_of(white, density * rows)
+        x = bounded(
+            gram[:-1, :-1] + np.eye(len(z)), -gram[:-1, -1] - z, -FURTHEST - z, FURTHEST - z
+        )
+        left = residual + columns @ x
+        noise = fit_noise(left, rows, p.floor, order, density)
+    return left
+
+
+def _left(
+    search: Search,
+    runs: Evaluator,
+    residual: np.ndarray,
+    before: np.ndarray,
+    valid: np.ndarray,
+    block: np.ndarray,
+    where: str,
+) -> Left:
+    p = search.problem
+    states = {n: runs.grid.reduce(np.asarray(x, float)) for n, x in runs.replay.states().items()}
+    remains = Remains(
+        runs.replay.outputs,
+        residual,
+        valid,
+        block,
+        states,
+        p.floor,
+        p.settings.noise_order,
+        runs.grid.density,
+    )
+    found = structures(remains)
+    return Left(
+        where,
+        remains,
+        found,
+        mean_square(before, valid),
+        mean_square(residual, valid),
+        _noise(remains, found),
+        np.where(valid, before - residual, 0.0),
+        runs.grid.step_s,
+    )
+
+
+def _noise(remains: Remains, left: Sequence[Structure]) -> np.ndarray:
+    noise = mean_square(remains.residual, remains.valid)
+    for s in left:
+        noise[s.output] = s.noise
+    return np.maximum(noise, remains.floor**2)

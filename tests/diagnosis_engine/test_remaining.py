@@ -1,0 +1,64 @@
+"""Structure beside a cause: its own, which gives it away, or another phenomenon's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from steering_diagnosis.engine.model import Output
+from steering_diagnosis.engine.remaining import Left
+from steering_diagnosis.engine.structure import Remains, Structure
+
+STEP_S = 5e-3
+TIME = np.arange(4000) * STEP_S
+NOISE = 0.01
+EXPLAINED = np.sin(2.0 * np.pi * 0.8 * TIME)
+
+
+def _left(hz: float, size: float, output: int = 0) -> Left:
+    """Return a record whose causes explain the first of two outputs, and what is left beside."""
+    part = size * np.sin(2.0 * np.pi * hz * TIME)
+    residual = np.zeros((len(TIME), 2))
+    residual[:, output] = part
+    explained = np.column_stack([EXPLAINED, 0.01 * EXPLAINED])
+    before, after = np.mean((residual + explained) ** 2, axis=0), np.mean(residual**2, axis=0)
+    remains = Remains(
+        (Output("torque", "N m", "torsion bar"), Output("position", "m", "rack")),
+        residual,
+        np.ones_like(residual, bool),
+        np.arange(len(TIME)) // 200,
+        {"angle [rad]": EXPLAINED},
+        np.full(2, 1e-3),
+        8,
+        1.0,
+    )
+    found = [Structure(output, float(np.mean(part**2)), NOISE, part, "predictable", "")]
+    noise = np.full(2, NOISE)
+    return Left("fitted record", remains, found, before, after, noise, explained, STEP_S)
+
+
+@pytest.mark.parametrize(
+    ("hz", "size", "output", "spoils"),
+    [
+        (0.9, 0.3, 0, True),
+        (0.9, 0.1, 0, False),
+        (25.0, 0.3, 0, False),
+        (0.9, 0.3, 1, False),
+    ],
+    ids=["its own", "another formula's", "a mode", "another output"],
+)
+def test_what_spoils_a_cause(hz: float, size: float, output: int, spoils: bool) -> None:
+    found = _left(hz, size, output).spoiling(0.03)
+    assert [r.output for r in found] == (["torque"] if spoils else [])
+
+
+def test_loud_structure_is_reported_beside_causes() -> None:
+    (region,) = _left(25.0, 0.3).regions(0.2)
+    assert region.output == "torque"
+    assert region.band_hz == pytest.approx((25.0, 25.0), abs=0.2)
+
+
+def test_what_a_second_record_does_not_show_is_told_of_the_first() -> None:
+    left = _left(0.9, 0.0)
+    told = left.unconfirmed(np.column_stack([EXPLAINED, 0.01 * EXPLAINED]))
+    assert [r.output for r in told] == ["torque"]
