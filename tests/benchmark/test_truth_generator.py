@@ -1,5 +1,7 @@
 """The truth generator against the bench's own plant, and its balances."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,8 +14,11 @@ from steering_diagnosis.benchmark.truth import states as s
 from steering_diagnosis.benchmark.truth.course import draw_course
 from steering_diagnosis.benchmark.truth.disturbance import RESOLUTION, disturbance
 from steering_diagnosis.benchmark.truth.effects import TRUE_EFFECTS, changed
-from steering_diagnosis.benchmark.truth.run import LED_IN, run_clamped, run_closed_loop
+from steering_diagnosis.benchmark.truth.gear import rates, rub, valve
+from steering_diagnosis.benchmark.truth.loop import STAGES, TICK, age
+from steering_diagnosis.benchmark.truth.run import LED_IN, SUBSTEPS, run_clamped, run_closed_loop
 from steering_diagnosis.benchmark.truth.specimen import draw_specimen, nominal_specimen
+from steering_diagnosis.benchmark.visibility import STEPS
 from steering_plant.plant import Plant
 from vehicle_model.loads import make_load
 from vehicle_model.vehicle import Vehicle
@@ -64,8 +69,6 @@ def test_the_supply_pays_for_what_the_rack_does(system):
 
 def test_oil_is_neither_made_nor_lost():
     """A blocked valve: what the rack's stroke takes from one chamber must compress the other."""
-    from steering_diagnosis.benchmark.truth.gear import rates
-
     p = nominal_specimen(NOMINAL).par(True, False)[0]
     for position, speed in ((0.0, 0.02), (0.03, -0.05)):
         y, d, u = np.zeros(s.STATES), np.zeros(s.STATES), np.zeros(s.INPUTS)
@@ -78,6 +81,80 @@ def test_oil_is_neither_made_nor_lost():
         right = (p["chamber_volume"] + p["piston_area"] * position) * d[s.RIGHT] / p["bulk_modulus"]
         assert left == pytest.approx(p["piston_area"] * speed, rel=1e-9)
         assert right == pytest.approx(-p["piston_area"] * speed, rel=1e-9)
+
+
+@pytest.mark.parametrize("discharge", [1.0, 0.6])
+def test_a_discharge_coefficient_acts_at_every_orifice_and_on_the_momentum_of_its_jets(discharge):
+    """Torricelli's speed at each orifice; a jet pushes the spool shut with rho Q v cos(delta)."""
+    p = nominal_specimen(NOMINAL).par(True, False)[0]
+    chamber, supply, control, solenoid = 1.2e7, 1.8e7, 1e6, 20.0
+    y, d = np.zeros(s.STATES), np.zeros(s.STATES)
+    y[s.LEFT_VALVE] = spool = 2e-4
+    y[s.LEFT_VALVE + 2] = control
+    drawn, into = valve(p, y, d, s.LEFT_VALVE, chamber, supply, solenoid, 0.0, discharge)
+
+    density, coefficient = p["density"], discharge * p["flow_coefficient"]
+    into_control = coefficient * np.pi / 4 * p["damping_orifice_diameter"] ** 2
+    into_control *= np.sqrt(2.0 * (chamber - control) / density)
+    assert drawn - into == pytest.approx(into_control, rel=1e-3)
+    stiffness = p["bulk_modulus"] / p["control_chamber_volume"]
+    assert d[s.LEFT_VALVE + 2] == pytest.approx(stiffness * into_control, rel=1e-3)
+
+    speed = np.sqrt(2.0 * (supply - chamber) / density)
+    jet = density * drawn * speed * p["jet_angle_cosine"]
+    face = np.pi / 4 * p["pressure_area_diameter"] ** 2
+    left = solenoid - face * control - p["spring_preload"] - p["spring_stiffness"] * spool - jet
+    assert d[s.LEFT_VALVE + 1] == pytest.approx(left / p["spool_mass"], rel=1e-4)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_friction_of_two_levels_has_bristles_of_one_stiffness(direction):
+    """Dahl's law in closed form, F_d (1 - exp(-k x/F_d)); turned round, the bristle lets go."""
+    difference, step, speed = 40.0, 1e-3, direction * 1e-2
+    made = nominal_specimen(NOMINAL)
+    made = replace(made, extras={**made.extras, "coulomb_difference": difference})
+    p, y = made.par(False, False)[0], np.zeros(s.STATES)
+    seals = p["rack_friction"]
+    level, stiffness = seals + direction * difference / 2, seals / p["rack_friction_displacement"]
+    y[s.RACK_SPEED] = speed
+    for k in range(1, 201):
+        rub(p, y, step)
+        bent = k * step * abs(speed)
+        closed = direction * level * (1.0 - np.exp(-stiffness * bent / level))
+        assert y[s.RACK_FRICTION] == pytest.approx(closed, rel=1e-9)
+    y[s.RACK_SPEED] = -direction * 1e-9
+    rub(p, y, step)
+    assert y[s.RACK_FRICTION] == pytest.approx(direction * level, rel=1e-6)
+
+
+@pytest.mark.parametrize("steps", [*SUBSTEPS.values(), *STEPS.values()])
+@pytest.mark.parametrize("lags", [1, 2, 4])
+def test_a_delayed_ramp_is_late_by_the_delay(steps, lags):
+    """A lag follows a ramp behind by its time, so a chain of them by the sum of their times."""
+    h, delay, slope = TICK / steps, 4e-3, 3.0
+    delays, chain = np.zeros((s.CHANNELS, 2)), np.zeros((s.CHANNELS, 1 + STAGES))
+    delays[s.TORQUE_OUT] = delay, lags
+    true = np.zeros(s.CHANNELS)
+    for k in range(1, round(0.2 / h) + 1):
+        true[s.TORQUE_OUT] = slope * k * h
+        age(delays, chain, true, h)
+    ramp = slope * (k * h - delay)
+    assert chain[s.TORQUE_OUT, lags] == pytest.approx(ramp, rel=1e-6)
+
+
+def test_a_delayed_sensor_answers_a_step_as_erlang_says():
+    """A step through a chain of four lags: 1 less the first four terms of Poisson's sum."""
+    h, delay = TICK / 20, 8e-3
+    delays, chain = np.zeros((s.CHANNELS, 2)), np.zeros((s.CHANNELS, 1 + STAGES))
+    delays[s.TORQUE_OUT] = delay, 4
+    true = np.zeros(s.CHANNELS)
+    true[s.TORQUE_OUT] = 1.0
+    chain[s.TORQUE_OUT, 0] = 1.0
+    for k in range(1, round(3.0 * delay / h) + 1):
+        age(delays, chain, true, h)
+        x = 4.0 * k * h / delay
+        erlang = 1.0 - np.exp(-x) * (1.0 + x + x**2 / 2.0 + x**3 / 6.0)
+        assert chain[s.TORQUE_OUT, 4] == pytest.approx(erlang, abs=2e-4)
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

@@ -152,7 +152,7 @@ class Probe:
         for row in (s.ANGLE_OUT, s.SPEED_OUT, s.FORCE_OUT):
             read = true[:, row] * mine.sensors[row, 0] + mine.sensors[row, 1]
             true[:, row] = (read - other.sensors[row, 1]) / other.sensors[row, 0]
-        later = other.delays[s.ANGLE_OUT] - mine.delays[s.ANGLE_OUT]
+        later = other.delays[s.ANGLE_OUT, 0] - mine.delays[s.ANGLE_OUT, 0]
         if later != 0.0:
             ticks = np.arange(len(true))
             for row in (s.ANGLE_OUT, s.SPEED_OUT):

@@ -36,16 +36,16 @@ def load(p, y, u):
 
 @kernel
 def rack_limits(p, y):
-    """Return the rack's sliding friction [N] in the direction of its motion."""
-    v = y[s.RACK_SPEED]
+    """Return the rack's friction [N]: of the seals alone, and all of it in either direction."""
     pressed = p.friction_left * max(y[s.LEFT], 0.0) + p.friction_right * max(y[s.RIGHT], 0.0)
-    limit = p.rack_friction + p.rack_friction_pressure_slope * pressed
+    seals = max(p.rack_friction + p.rack_friction_pressure_slope * pressed, 1.0)
+    limit = seals
     if p.breakaway > 0.0:
-        limit += p.breakaway / (1.0 + (v / p.stribeck_speed) ** 2)
+        limit += p.breakaway / (1.0 + (y[s.RACK_SPEED] / p.stribeck_speed) ** 2)
     if p.bent > 0.0:
         limit += p.bent * exp(-(((y[s.RACK] - p.bent_at) / p.bent_width) ** 2))
-    limit += 0.5 * p.coulomb_difference if v > 0.0 else -0.5 * p.coulomb_difference
-    return max(limit, 1.0)
+    half = 0.5 * p.coulomb_difference
+    return seals, max(limit - half, 1.0), max(limit + half, 1.0)
 
 
 @kernel
@@ -60,7 +60,10 @@ def viscous(p, v, time):
 
 @kernel
 def valve(p, y, d, at, chamber, supply, force, friction, factor):
-    """Fill one valve's rates; return flow drawn from the supply and flow into the chamber."""
+    """Fill one valve's rates; return flow drawn from the supply and flow into the chamber.
+
+    factor: on the discharge of edges and damping orifice, and so on the momentum of the jets.
+    """
     spool, speed, control = y[at], y[at + 1], y[at + 2]
     laminar = p.laminar_transition_pressure
     supply_area = holes(p, p.underlap + spool)
@@ -68,9 +71,9 @@ def valve(p, y, d, at, chamber, supply, force, friction, factor):
     drawn = through(p, supply_area, supply - chamber, laminar, factor)
     back = through(p, tank_area, chamber, laminar, factor)
     orifice = 0.25 * pi * p.damping_orifice_diameter**2
-    damping = through(p, orifice, chamber - control, p.damping_orifice_transition_pressure, 1.0)
+    damping = through(p, orifice, chamber - control, p.damping_orifice_transition_pressure, factor)
     face = 0.25 * pi * p.pressure_area_diameter**2
-    jet = 2.0 * p.flow_coefficient * p.jet_angle_cosine
+    jet = 2.0 * factor * p.flow_coefficient * p.jet_angle_cosine
     closing = jet * (supply_area * abs(supply - chamber) - tank_area * abs(chamber))
     sum_of_forces = force - face * control - p.spring_preload - p.spring_stiffness * spool
     sum_of_forces -= closing + p.spool_damping * speed + friction
@@ -195,22 +198,36 @@ def column(p, y):
 
 @kernel
 def rub(p, y, period):
-    """Move the frictions on over ``period`` at the present speeds."""
-    v, displacement = y[s.RACK_SPEED], p.rack_friction_displacement
+    """Move the frictions on over ``period`` at the present speeds.
+
+    What makes a limit differ with direction, speed or place leaves the bristles as stiff as they
+    are (LuGre): they only bend further. Stiffer ones on the way out than back would give energy.
+    """
+    v = y[s.RACK_SPEED]
     y[s.COLUMN_FRICTION] = bristle(
-        y[s.COLUMN_FRICTION], p.column_friction, p.column_friction_angle, y[s.SPEED], period
+        y[s.COLUMN_FRICTION],
+        p.column_friction,
+        p.column_friction,
+        p.column_friction_angle,
+        y[s.SPEED],
+        period,
     )
-    y[s.RACK_FRICTION] = bristle(y[s.RACK_FRICTION], rack_limits(p, y), displacement, v, period)
-    if p.load_friction > 0.0:
-        y[s.LOAD_FRICTION] = bristle(y[s.LOAD_FRICTION], p.load_friction, 1e-4, v, period)
+    seals, back, forth = rack_limits(p, y)
+    bent = p.rack_friction_displacement * (forth if v > 0.0 else back) / seals
+    y[s.RACK_FRICTION] = bristle(y[s.RACK_FRICTION], back, forth, bent, v, period)
+    level = p.load_friction
+    if level > 0.0:
+        y[s.LOAD_FRICTION] = bristle(y[s.LOAD_FRICTION], level, level, 1e-4, v, period)
     if p.stiction > 0.0:
         for at, friction in ((s.LEFT_VALVE, s.LEFT_STICTION), (s.RIGHT_VALVE, s.RIGHT_STICTION)):
             speed = y[at + 1]
-            limit = p.stiction * (1.0 + 0.15 / (1.0 + (speed / 2e-3) ** 2))
-            y[friction] = bristle(y[friction], limit, p.stiction_displacement, speed, period)
+            more = 1.0 + 0.15 / (1.0 + (speed / 2e-3) ** 2)
+            limit, bent = p.stiction * more, p.stiction_displacement * more
+            y[friction] = bristle(y[friction], limit, limit, bent, speed, period)
     if p.bar_hysteresis > 0.0:
         twisting = y[s.SPEED] - p.gear_ratio * v
-        y[s.BAR_HYSTERESIS] = bristle(y[s.BAR_HYSTERESIS], p.bar_hysteresis, 5e-3, twisting, period)
+        limit = p.bar_hysteresis
+        y[s.BAR_HYSTERESIS] = bristle(y[s.BAR_HYSTERESIS], limit, limit, 5e-3, twisting, period)
 
 
 @kernel

@@ -67,16 +67,15 @@ def modulus(p, pressure):
 
 
 @kernel
-def bristle(force, limit, displacement, speed, period):
+def bristle(force, back, forth, displacement, speed, period):
     """Return a bristle's force [N] after ``period`` at constant speed: Dahl's law, exactly solved.
 
-    limit: sliding friction (a Stribeck curve makes it the LuGre law without micro-damping).
+    back, forth: sliding friction against negative and positive speed. displacement: the one that
+    acts over the bristle's stiffness [m]; with a friction that follows a Stribeck curve and a
+    constant stiffness it is the LuGre law without micro-damping.
     """
-    if force > limit:
-        force = limit
-    elif force < -limit:
-        force = -limit
-    towards = copysign(limit, speed)
+    force = min(max(force, -back), forth)
+    towards = forth if speed > 0.0 else -back
     return towards + (force - towards) * exp(-abs(speed) * period / displacement)
 
 

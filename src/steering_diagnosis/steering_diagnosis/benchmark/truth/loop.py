@@ -29,16 +29,26 @@ def true_values(p, y, u, true):
 
 @kernel
 def age(delays, chain, true, h):
-    """Move the sensors' delays on: each a chain of equal lags whose times add up to it."""
+    """Move the sensors' delays on: each a chain of equal lags whose times add up to it.
+
+    chain: (9, 1 + STAGES), true value and each lag's output ``h`` ago. A lag's answer to an input
+    that runs straight over the step is exact: a ramp comes out late by the delay, neither more nor
+    less.
+    """
     for i in range(s.CHANNELS):
         if delays[i, 0] <= 0.0:
             continue
         stages = int(delays[i, 1])
-        weight = 1.0 - exp(-h * stages / delays[i, 0])
-        before = true[i]
-        for k in range(stages):
-            chain[i, k] += weight * (before - chain[i, k])
-            before = chain[i, k]
+        lag = delays[i, 0] / stages
+        keep = exp(-h / lag)
+        came, comes = chain[i, 0], true[i]
+        chain[i, 0] = comes
+        for k in range(1, stages + 1):
+            # Behind a ramp by lag times slope, and what differed from that dies away.
+            behind = lag * (comes - came) / h
+            here = comes - behind + keep * (chain[i, k] - came + behind)
+            came, comes = chain[i, k], here
+            chain[i, k] = here
 
 
 @kernel
@@ -47,7 +57,7 @@ def measure(p, sensors, delays, chain, true, noise, row, measured):
     for i in range(s.CHANNELS):
         value = true[i]
         if delays[i, 0] > 0.0:
-            value = chain[i, int(delays[i, 1]) - 1]
+            value = chain[i, int(delays[i, 1])]
         if i == s.LEFT_OUT:
             value += p.crosstalk * true[s.RIGHT_OUT]
         value = sensors[i, 0] * value + sensors[i, 1] + noise[row, i]
@@ -128,7 +138,7 @@ def simulate(
         true_values(p, y, u, now)
         if tick == 0:
             for i in range(s.CHANNELS):
-                for k in range(STAGES):
+                for k in range(STAGES + 1):
                     chain[i, k] = now[i]
         measure(p, sensors, delays, chain, now, noise, tick, measured)
         if clamped:

@@ -66,7 +66,6 @@ NEUTRAL: Mapping[str, float] = {
     "cogs": 24.0,
     "crosstalk": 0.0,
     "relaxation": 0.0,
-    "delay_stages": 4.0,
 }
 """Constants of the phenomena that the data sheet does not have, where they are absent."""
 
@@ -75,8 +74,8 @@ NEUTRAL: Mapping[str, float] = {
 class Specimen:
     """What is really on the bench.
 
-    sheet: full names to values. extras: of NEUTRAL. sensors: (9, 2), gain and offset. delays: (9,),
-    age of each measured value [s].
+    sheet: full names to values. extras: of NEUTRAL. sensors: (9, 2), gain and offset. delays:
+    (9, 2), age of each measured value [s] and the number of lags that make it.
     """
 
     sheet: Mapping[str, float]
@@ -92,15 +91,11 @@ class Specimen:
         flags = {"closed": float(closed), "clamped": float(clamped)}
         return record(values | dict(self.extras) | flags)
 
-    def delay_table(self) -> np.ndarray:
-        """Return the kernels' table of delays, (9, 2): time [s] and number of lags."""
-        return np.column_stack([self.delays, np.full(s.CHANNELS, self.extras["delay_stages"])])
-
 
 def nominal_specimen(nominal: ParameterSet) -> Specimen:
     """Return a specimen exactly as its data sheet says, with ideal sensors."""
     sensors = np.column_stack([np.ones(s.CHANNELS), np.zeros(s.CHANNELS)])
-    return Specimen(nominal.flat(), NEUTRAL, sensors, np.zeros(s.CHANNELS))
+    return Specimen(nominal.flat(), NEUTRAL, sensors, np.zeros((s.CHANNELS, 2)))
 
 
 def draw_specimen(nominal: ParameterSet, random: np.random.Generator) -> Specimen:
@@ -114,7 +109,7 @@ def draw_specimen(nominal: ParameterSet, random: np.random.Generator) -> Specime
     for row, channel in enumerate(MEASURED.values()):
         gains[row] += channel.gain * of_sensor[SENSOR_OF[row]]
         offsets[row] = channel.offset * _share(random)
-    return Specimen(sheet, NEUTRAL, np.column_stack([gains, offsets]), np.zeros(s.CHANNELS))
+    return Specimen(sheet, NEUTRAL, np.column_stack([gains, offsets]), np.zeros((s.CHANNELS, 2)))
 
 
 def _share(random: np.random.Generator) -> float:
