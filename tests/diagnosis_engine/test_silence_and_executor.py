@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from distributed import Client, LocalCluster
+from dask_here import dask_executor
 from sled import HYPOTHESES, record
 
 from steering_core.errors import BenchError
@@ -65,13 +65,8 @@ def test_a_distributed_engine_gives_the_same_numbers() -> None:
     """Dask's executor is a concurrent.futures.Executor; here on threads of this process."""
     replay = record(3, 6.0, backlash=6e-4)
     alone = diagnose(replay)
-    with (
-        LocalCluster(
-            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
-        ) as cluster,
-        Client(cluster) as client,
-    ):
-        spread = diagnose(replay, executor=client.get_executor())
+    with dask_executor(threads=2) as executor:
+        spread = diagnose(replay, executor=executor)
     assert _numbers(alone) == _numbers(spread)
     assert np.array_equal(alone.residual_extended, spread.residual_extended)
 

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from dask_here import dask_executor
 
 from steering_bringup.cli import main
 from steering_core.parameters import load_parameters
@@ -52,18 +53,9 @@ def test_one_late_tick_cycles_plain_and_is_quiet_when_known():
 
 def test_same_seed_same_specimens_on_any_executor():
     """Dask's executor stands for a distributed engine."""
-    distributed = pytest.importorskip("distributed")
     here = tolerance.figures_of(PARAMETERS, tolerance.specimens(PARAMETERS, 2, 7)[1])
-    with (
-        distributed.LocalCluster(
-            n_workers=1,
-            threads_per_worker=1,
-            processes=False,
-            dashboard_address=None,
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        found = tolerance.monte_carlo(PARAMETERS, 2, 7, executor=client.get_executor())
+    with dask_executor() as executor:
+        found = tolerance.monte_carlo(PARAMETERS, 2, 7, executor=executor)
     np.testing.assert_array_equal(found.figures[1], here)
     assert found.figures.shape == (2, len(tolerance.FIGURES))
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dask_here import dask_executor
 from scipy.io import savemat
 
 from steering_core.errors import BenchError
@@ -103,16 +104,10 @@ def test_what_the_catalogue_lacks_is_unexplained_and_gets_no_name():
 
 def test_the_answer_is_the_same_here_and_on_a_distributed_engine():
     """Dask's executor stands behind the same interface as a pool of processes."""
-    distributed = pytest.importorskip("distributed")
     replay = AxisReplay(axis(lambda x, v: 40.0 * np.abs(v), seconds=12.0))
     here = diagnose(replay, settings=SETTINGS)
-    with (
-        distributed.LocalCluster(
-            n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        there = diagnose(replay, executor=client.get_executor(), settings=SETTINGS)
+    with dask_executor() as executor:
+        there = diagnose(replay, executor=executor, settings=SETTINGS)
     assert here.nuisances == there.nuisances
     assert here.effects == there.effects
     assert here.verdict == there.verdict
