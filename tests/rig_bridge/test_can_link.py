@@ -25,6 +25,31 @@ def test_other_devices_on_the_bus_are_passed_over():
         assert bench.bad == 0
 
 
+class Counting(CanHub):
+    """Counts the pieces that it passes on."""
+
+    pieces = 0
+
+    def _pass_on(self, sender, data):
+        self.pieces += 1
+        super()._pass_on(sender, data)
+
+
+def test_a_packet_crosses_a_socketcand_bus_in_one_piece():
+    hub = Counting()
+    settings = {"interface": "socketcand", "host": "127.0.0.1", "port": hub.port}
+    bench = open_link("can", RIG, EMULATED.parent, settings)
+    rig = open_link("can", RIG, EMULATED.parent, settings, rig_end=True)
+    rig.send_frame(FRAME)
+    assert len(bench.receive_frames(1.0)) == 1
+    bench.send_demand(DEMAND)
+    assert len(rig.receive_demands(1.0)) == 1
+    assert hub.pieces == 2
+    for end in (bench, rig):
+        end.close()
+    hub.close()
+
+
 def test_a_bus_that_goes_is_noticed():
     hub = CanHub()
     settings = CanSettings(interface="socketcand", host="127.0.0.1", port=hub.port)

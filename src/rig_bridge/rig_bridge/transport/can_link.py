@@ -14,7 +14,7 @@ from rig_bridge.transport.can_codec import CanCodec, CanFrame
 from rig_bridge.transport.dbc import load_dbc
 from rig_bridge.transport.packets import Demand, Frame, PacketError
 from rig_bridge.transport.settings import CanSettings
-from rig_bridge.transport.socketcand import open_bus
+from rig_bridge.transport.socketcand import open_bus, send_all
 from steering_core.errors import BenchError
 
 Packet = TypeVar("Packet")
@@ -97,11 +97,11 @@ class CanLink:
         return packet
 
     def _send(self, frames: Sequence[CanFrame]) -> None:
-        for number, data in frames:
-            extended = number > 0x7FF
-            message = can.Message(arbitration_id=number, data=data, is_extended_id=extended)
-            try:
-                self.bus.send(message)
-            except (can.CanError, OSError) as error:
-                self.up, self.problem = False, str(error)
-                return
+        messages = [
+            can.Message(arbitration_id=number, data=data, is_extended_id=number > 0x7FF)
+            for number, data in frames
+        ]
+        try:
+            send_all(self.bus, messages)
+        except (can.CanError, OSError) as error:
+            self.up, self.problem = False, str(error)
