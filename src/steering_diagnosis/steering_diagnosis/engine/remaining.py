@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,18 +75,20 @@ class Left:
             found.append(self._region(s, 1.0))
         return found
 
-    def spoiling(self, least: float) -> list[Region]:
+    def spoiling(self, least: float, balances: Collection[str]) -> list[Region]:
         """Return structure where the causes act that is more than another formula would leave.
 
-        least: share of what is explained there. What lies in other frequencies than that is another
-        phenomenon.
+        least: share of what is explained there. balances: the causes' own, which they have to
+        explain even if most of what they do is seen elsewhere. What lies in other frequencies than
+        what is explained is another phenomenon.
         """
         explained = np.maximum(self.before - self.after, 0.0)
         weight = explained / self.noise
         found = []
         for s in self.structures:
             share = s.energy / max(explained[s.output], 1e-300)
-            concerned = weight[s.output] > CONCERNED * weight.sum()
+            main = weight[s.output] > CONCERNED * weight.sum()
+            concerned = main or self.remains.outputs[s.output].balance in balances
             if share > least and concerned and self._in_band(s):
                 found.append(self._region(s, float(min(share, 1.0))))
         return found
