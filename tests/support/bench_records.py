@@ -10,6 +10,7 @@ from steering_bringup.scenario_files import load_node_set, load_scenario
 from steering_bringup.schema import Scenario
 from steering_diagnosis.data.channels import MEASURED
 from steering_diagnosis.data.record import Record
+from steering_plant.effects.models import all_effects
 
 NOISE = {
     "torque_sensor.noise": 5e-3,
@@ -27,11 +28,13 @@ def bench_record(system, scenario="on_centre", duration=6.0, effects=None, hidde
     """Return the record of a direct run.
 
     effects, hidden (parameters): of the truth, which the record's nominal parameters do not know.
+    The other effects are there too, and neutral: one model to compile for all tests.
     """
     given = load_scenario(scenario)
     parameters = {**given.parameters, **(hidden or {}), **(noise or {})}
     data = given.model_dump(by_alias=True)
-    data |= {"duration": duration, "parameters": parameters, "effects": effects or {}}
+    acting = {**all_effects(system, effects), **effects} if effects else {}
+    data |= {"duration": duration, "parameters": parameters, "effects": acting}
     made = Scenario.model_validate(data)
     trace = run(build_cores(made, load_node_set(system)), made.ticks)
     measured = np.column_stack([trace.torque, trace.pressure, trace.rack])
