@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from steering_diagnosis.engine.model import Output
+from steering_diagnosis.engine.model import Hypothesis, Output
 from steering_diagnosis.engine.remaining import Left
 from steering_diagnosis.engine.structure import Remains, Structure
 
@@ -38,18 +38,32 @@ def _left(hz: float, size: float, output: int = 0) -> Left:
 
 
 @pytest.mark.parametrize(
-    ("hz", "size", "output", "spoils"),
+    ("hz", "size", "output", "balance", "exact", "spoilt"),
     [
-        (0.9, 0.3, 0, True),
-        (0.9, 0.1, 0, False),
-        (25.0, 0.3, 0, False),
-        (0.9, 0.3, 1, False),
+        (0.9, 0.3, 0, "torsion bar", False, ["torque"]),
+        (0.9, 0.15, 0, "torsion bar", False, []),
+        (0.9, 0.15, 0, "torsion bar", True, []),
+        (0.9, 0.22, 0, "torsion bar", True, ["torque"]),
+        (25.0, 0.3, 0, "torsion bar", False, []),
+        (0.9, 0.3, 1, "torsion bar", False, []),
+        (0.9, 0.3, 1, "rack", False, ["position"]),
     ],
-    ids=["its own", "another formula's", "a mode", "another output"],
+    ids=[
+        "its own",
+        "another formula's",
+        "no louder than the noise",
+        "loud, of an exact cause",
+        "a mode",
+        "another output",
+        "its own balance's output",
+    ],
 )
-def test_what_spoils_a_cause(hz: float, size: float, output: int, spoils: bool) -> None:
-    found = _left(hz, size, output).spoiling(0.03)
-    assert [r.output for r in found] == (["torque"] if spoils else [])
+def test_what_spoils_a_cause(
+    hz: float, size: float, output: int, balance: str, exact: bool, spoilt: list[str]
+) -> None:
+    cause = Hypothesis("cause", "", balance, (), exact=exact)
+    found = _left(hz, size, output).spoiling(0.06, [cause])
+    assert [r.output for r in found] == spoilt
 
 
 def test_loud_structure_is_reported_beside_causes() -> None:

@@ -98,8 +98,8 @@ def _standing(search: Search, best: Fit, block: np.ndarray) -> Kept:
         why = f"the best causes explain only {left[0].explained:.0%} of the error: {names}"
         return Kept(search.null, left_by(search, search.null, block), (*notes, why))
     least = search.problem.settings.spoiling
-    balances = {search.problem.book.hypotheses[name].balance for name in best.names}
-    spoiling = tuple(region for record in left for region in record.spoiling(least, balances))
+    causes = [search.problem.book.hypotheses[name] for name in best.names]
+    spoiling = tuple(region for record in left for region in record.spoiling(least, causes))
     if spoiling:
         outputs = ", ".join(dict.fromkeys(r.output for r in spoiling))
         why = f"withdrawn, because what they leave in {outputs} is no noise: {names}"

@@ -10,7 +10,7 @@ import numpy as np
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.findings import Region
 from steering_diagnosis.engine.fit import FURTHEST, Fit, bounded, gram_of
-from steering_diagnosis.engine.model import Output
+from steering_diagnosis.engine.model import Hypothesis, Output
 from steering_diagnosis.engine.noise import fit_noise, mean_square, usable
 from steering_diagnosis.engine.search import Search
 from steering_diagnosis.engine.structure import Remains, Structure, band, region, structures
@@ -75,13 +75,15 @@ class Left:
             found.append(self._region(s, 1.0))
         return found
 
-    def spoiling(self, least: float, balances: Collection[str]) -> list[Region]:
+    def spoiling(self, least: float, causes: Collection[Hypothesis]) -> list[Region]:
         """Return structure where the causes act that is more than another formula would leave.
 
-        least: share of what is explained there. balances: the causes' own, which they have to
-        explain even if most of what they do is seen elsewhere. What lies in other frequencies than
-        what is explained is another phenomenon.
+        least: share of what is explained there. Causes have to explain their own balance even if
+        most of what they do is seen elsewhere; those with the only formula there is leave nothing
+        loud. What lies in other frequencies than what is explained is another phenomenon.
         """
+        balances = {cause.balance for cause in causes}
+        exact = all(cause.exact for cause in causes)
         explained = np.maximum(self.before - self.after, 0.0)
         weight = explained / self.noise
         found = []
@@ -89,7 +91,8 @@ class Left:
             share = s.energy / max(explained[s.output], 1e-300)
             main = weight[s.output] > CONCERNED * weight.sum()
             concerned = main or self.remains.outputs[s.output].balance in balances
-            if share > least and concerned and self._in_band(s):
+            large = share > least or (exact and s.energy > LOUD * s.noise)
+            if large and concerned and self._in_band(s):
                 found.append(self._region(s, float(min(share, 1.0))))
         return found
 
