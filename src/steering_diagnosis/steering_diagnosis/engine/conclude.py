@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from steering_diagnosis.engine.agreement import records_apart
 from steering_diagnosis.engine.ambiguity import Comparison, as_good, compare
 from steering_diagnosis.engine.evidence import Evidence, HeldOut
 from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Region, Rms
@@ -47,6 +48,9 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     causes = _causes(search, best, evidence, rivals, block, noise)
     least = problem.settings.least_unexplained
     regions = [r for left in kept.left for r in left.regions(least)] or list(kept.against)
+    if not regions and not causes:
+        apart = records_apart(search, noise)
+        regions = [apart] if apart else []
     undecidable = _undecidable(search)
     book = problem.book
     call, call0 = book.call(best.z, best.values), book.call(null.z, null.values)

@@ -109,16 +109,20 @@ def left_by(search: Search, best: Fit, block: np.ndarray) -> list[Left]:
     null = search.null.residual
     found = [_left(search, p.runs, best.residual, null, p.valid, block, "fitted record")]
     if held.runs is not None:
-        residual = _within_tolerance(search, held.residual(p, best), best.z)
+        residual = held.residual(p, best)
+        shift, _ = within_tolerance(search, residual, best.z)
+        left = residual + search.held_nuisance @ shift
         before = held.residual(p, search.null)
         found.append(
-            _left(search, held.runs, residual, before, held.valid, held.block, "held-out record")
+            _left(search, held.runs, left, before, held.valid, held.block, "held-out record")
         )
     return found
 
 
-def _within_tolerance(search: Search, residual: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return the second record's residual with nuisances refitted there, (n, outputs).
+def within_tolerance(
+    search: Search, residual: np.ndarray, z: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Refit the nuisances, linearised, to the second record: shift of z, (p,), and information.
 
     What another value within tolerance explains is no structure: one record leaves some open.
     """
@@ -127,16 +131,14 @@ def _within_tolerance(search: Search, residual: np.ndarray, z: np.ndarray) -> np
     order, density = p.settings.noise_order, held.runs.grid.density
     rows = usable(held.valid, order)
     noise = fit_noise(residual, rows, p.floor, order, density).white
-    left = residual
+    shift, gram = np.zeros_like(z), np.zeros((len(z), len(z)))
     for _ in range(REFITS):
         white = noise.whiten(np.concatenate([columns, residual[..., None]], axis=-1))
-        gram = gram_of(white, density * rows)
-        x = bounded(
-            gram[:-1, :-1] + np.eye(len(z)), -gram[:-1, -1] - z, -FURTHEST - z, FURTHEST - z
-        )
-        left = residual + columns @ x
-        noise = fit_noise(left, rows, p.floor, order, density)
-    return left
+        both = gram_of(white, density * rows)
+        gram = both[:-1, :-1]
+        shift = bounded(gram + np.eye(len(z)), -both[:-1, -1] - z, -FURTHEST - z, FURTHEST - z)
+        noise = fit_noise(residual + columns @ shift, rows, p.floor, order, density)
+    return shift, gram
 
 
 def _left(

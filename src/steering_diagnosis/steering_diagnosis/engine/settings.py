@@ -68,6 +68,9 @@ class Settings:
     """Relative standard deviation of a parameter because the truth follows another formula."""
     least_unexplained: float = 0.2
     """Share of the refitted error that is reported as unexplained structure."""
+    least_disagreement: float = 10.0
+    """Mean square difference of two records' nominal parameters over what is expected, from which
+    they are not one specimen's. Clean records reach 9.5: noise of the inputs biases estimates."""
     spoiling: float = 0.03
     """Structure in an output over what the causes explain there, in their own frequencies, from
     which they are not the causes: another formula for the same phenomenon leaves less."""
