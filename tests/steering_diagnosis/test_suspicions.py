@@ -63,6 +63,17 @@ def test_swapped_chambers_are_named(record):
     assert "swapped" in suspicions(swapped)[0].text
 
 
+def test_a_rack_that_only_drives_oil_has_no_swapped_chambers(record):
+    """Moved fast without a load, the pressures go against the torque, and are small."""
+    level, small = record["left_pressure"].mean(), 0.01
+    driven = changed(
+        record,
+        left_pressure=level + small * (record["right_pressure"] - level),
+        right_pressure=level + small * (record["left_pressure"] - level),
+    )
+    assert not {"left_pressure", "right_pressure"} & set(about(driven))
+
+
 def test_a_dead_channel_is_named_and_left_out(record):
     dead = changed(record, rack_position=np.full(len(record), 1e-3))
     assert about(dead) == ["rack_position"]

@@ -173,6 +173,11 @@ def _swapped(record: Record, signals: Signals) -> Suspicion | None:
     if by_torque > -ALIKE:
         return None
     torque = signals["torsion_bar_torque"]
+    by_hand = record.nominal["mechanics.gear_ratio"] * torque
+    assist = record.nominal["mechanics.piston_area"] * _load_pressure(signals)
+    if np.std(assist) < np.std(by_hand):
+        # Not assisted, the rack's motion drives oil through the valve, against the torque.
+        return None
     if "driver_torque" in signals and correlation(signals["driver_torque"], torque) < 0.0:
         return None
     if "rack_force" in signals:
