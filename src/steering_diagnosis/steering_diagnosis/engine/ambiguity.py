@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from steering_diagnosis.engine.fit import Fit, Problem
-from steering_diagnosis.engine.noise import usable
+from steering_diagnosis.engine.noise import Noise, usable
 
 MOST = 3
 EQUAL = 6.0
@@ -25,12 +25,20 @@ class Comparison:
 
 
 def compare(problem: Problem, best: Fit, other: Fit, cause: str, block: np.ndarray) -> Comparison:
-    """Compare the model with a rival in the place of ``cause`` to the best model."""
+    """Compare the model with a rival in the place of ``cause`` to the best model.
+
+    Each with its own noise, and both with either's: a rival that leaves a slow error is not as good
+    because coloured noise takes it up.
+    """
     (rival,) = other.names - best.names
-    difference = block_scores(problem, other, block) - block_scores(problem, best, block)
-    spread = np.sqrt(len(difference)) * difference.std(ddof=1)
+    own = block_scores(problem, other, block) - block_scores(problem, best, block)
     excess = other.misfit - best.misfit
-    return Comparison(rival, excess, float(excess / (spread + 1e-9)), cosine(problem, best, other))
+    common = min(
+        (_in_one_noise(problem, best, other, n, block) for n in (best.noise, other.noise)),
+        key=np.sum,
+    )
+    sigmas = max(float(excess / _spread(own)), float(common.sum() / _spread(common)))
+    return Comparison(rival, max(excess, float(common.sum())), sigmas, cosine(problem, best, other))
 
 
 def block_scores(problem: Problem, fit: Fit, block: np.ndarray) -> np.ndarray:
@@ -39,6 +47,20 @@ def block_scores(problem: Problem, fit: Fit, block: np.ndarray) -> np.ndarray:
     white = fit.noise.whiten(fit.residual)
     each = np.where(rows, white**2 + np.log(fit.noise.sd**2), 0.0).sum(axis=1)
     return np.bincount(block, each) * problem.runs.grid.density
+
+
+def _in_one_noise(
+    problem: Problem, best: Fit, other: Fit, noise: Noise, block: np.ndarray
+) -> np.ndarray:
+    """Return by how much the rival's misfit is larger where both have one noise, (blocks,)."""
+    rows = usable(problem.valid, noise.order)
+    apart = noise.whiten(other.residual) ** 2 - noise.whiten(best.residual) ** 2
+    return np.bincount(block, np.where(rows, apart, 0.0).sum(axis=1)) * problem.runs.grid.density
+
+
+def _spread(difference: np.ndarray) -> float:
+    """Return the standard error of a sum over blocks."""
+    return float(np.sqrt(len(difference)) * difference.std(ddof=1)) + 1e-9
 
 
 def cosine(problem: Problem, best: Fit, other: Fit) -> float:

@@ -138,11 +138,12 @@ def weigh(
     if problem.book.nuisance_of(cause) is not None:
         least = max(least, s.least_share_parameter)
     samples = max(float(full.noise.count.max()), 1.0)
+    gained = max(ratio, gain_in_its_noise(problem, without, full))
     main = ratio >= s.main_share * whole
     least_size = s.least_size_main if main else s.least_size
     reasons = [
         (p > s.family_p, f"not significant over the catalogue (p = {p:.2g})"),
-        (ratio < s.least_gain * samples, f"gains only {ratio / samples:.2f} a sample"),
+        (gained < s.least_gain * samples, f"gains only {gained / samples:.2f} a sample"),
         (bic > -STRONG, f"the information criterion is against it ({bic:+.1f})"),
         (sigmas < s.held_out_sigmas, f"no certain gain on held-out data ({sigmas:.1f} sigma)"),
         (material < least, f"removes only {material:.0%} of the error above the noise"),
@@ -152,6 +153,16 @@ def weigh(
     ]
     why = next((text for failed, text in reasons if failed), "")
     return Evidence(ratio, p, float(bic), sigmas, share, material, why)
+
+
+def gain_in_its_noise(problem: Problem, without: Fit, full: Fit) -> float:
+    """Return the gain of a cause where the noise is what the model with it leaves.
+
+    Without the cause a slow error is taken for coloured noise, which then seems to explain it.
+    """
+    weights = problem.weights()
+    before, after = (full.noise.whiten(f.residual) * weights for f in (without, full))
+    return float(np.sum(before**2) - np.sum(after**2))
 
 
 def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
