@@ -29,7 +29,7 @@ LEAST_ANGLE = 5e-3
 """Motion of the wheel [rad, standard deviation] below which nothing is excited."""
 
 SETTINGS = Settings(least_gain=0.9)
-"""Clean records of the benchmark gain at most 0.85 by a wrong cause, visible causes 1.04 and more
+"""What clean records of the benchmark hardly gain by a wrong cause, and visible causes do
 (docs/diagnosis_benchmark.md)."""
 
 INFERENCE = 0.9
