@@ -33,10 +33,7 @@ def compare(problem: Problem, best: Fit, other: Fit, cause: str, block: np.ndarr
     (rival,) = other.names - best.names
     own = block_scores(problem, other, block) - block_scores(problem, best, block)
     excess = other.misfit - best.misfit
-    common = min(
-        (_in_one_noise(problem, best, other, n, block) for n in (best.noise, other.noise)),
-        key=np.sum,
-    )
+    common = _in_either_noise(problem, best, other, block)
     sigmas = max(float(excess / _spread(own)), float(common.sum() / _spread(common)))
     return Comparison(rival, max(excess, float(common.sum())), sigmas, cosine(problem, best, other))
 
@@ -47,6 +44,18 @@ def block_scores(problem: Problem, fit: Fit, block: np.ndarray) -> np.ndarray:
     white = fit.noise.whiten(fit.residual)
     each = np.where(rows, white**2 + np.log(fit.noise.sd**2), 0.0).sum(axis=1)
     return np.bincount(block, each) * problem.runs.grid.density
+
+
+def ahead(problem: Problem, one: Fit, other: Fit) -> float:
+    """Return how much smaller a model's misfit is than another's, in either's noise at least."""
+    whole = np.zeros(len(one.residual), int)
+    return float(_in_either_noise(problem, one, other, whole).sum())
+
+
+def _in_either_noise(problem: Problem, best: Fit, other: Fit, block: np.ndarray) -> np.ndarray:
+    """Return by how much a rival's misfit is larger, in the noise that suits it, (blocks,)."""
+    found = [_in_one_noise(problem, best, other, n, block) for n in (best.noise, other.noise)]
+    return min(found, key=np.sum)
 
 
 def _in_one_noise(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from steering_diagnosis.engine.ambiguity import ahead
 from steering_diagnosis.engine.evaluate import Call
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
 from steering_diagnosis.engine.fit import SMALL, Fit, Problem, gauss_newton, misfit, refit, settled
@@ -191,12 +192,23 @@ class Search:
                 passed = passed or self._passed(beam, s.screened, 0.0)
             if not passed:
                 break
-            ranked = sorted(passed.values(), key=misfit)
+            ranked = self._ranked(passed.values())
             beam = ranked[: s.beam]
             if final.misfit - ranked[0].misfit < 0.0:
                 break
             final = ranked[0]
         return final
+
+    def _ranked(self, fits: Iterable[Fit]) -> list[Fit]:
+        """Return models by misfit, but first one that beats the best in the noise of either.
+
+        Of two, one may owe its misfit to coloured noise that takes up the slow error it leaves.
+        """
+        ranked = sorted(fits, key=misfit)
+        for fit in ranked[1:]:
+            if ahead(self.problem, fit, ranked[0]) > self.critical:
+                ranked = [fit, *(other for other in ranked if other is not fit)]
+        return ranked
 
     def _passed(self, beam: list[Fit], most: int, close: float) -> dict[frozenset[str], Fit]:
         """Return the extensions of the beam's models whose added cause is real."""
