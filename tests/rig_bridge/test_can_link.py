@@ -37,17 +37,12 @@ class Counting(CanHub):
 
 def test_a_packet_crosses_a_socketcand_bus_in_one_piece():
     hub = Counting()
-    settings = {"interface": "socketcand", "host": "127.0.0.1", "port": hub.port}
-    bench = open_link("can", RIG, EMULATED.parent, settings)
-    rig = open_link("can", RIG, EMULATED.parent, settings, rig_end=True)
-    rig.send_frame(FRAME)
-    assert len(bench.receive_frames(1.0)) == 1
-    bench.send_demand(DEMAND)
-    assert len(rig.receive_demands(1.0)) == 1
-    assert hub.pieces == 2
-    for end in (bench, rig):
-        end.close()
-    hub.close()
+    with both_ends("can", hub=hub) as (bench, rig):
+        rig.send_frame(FRAME)
+        assert len(bench.receive_frames(1.0)) == 1
+        bench.send_demand(DEMAND)
+        assert len(rig.receive_demands(1.0)) == 1
+        assert hub.pieces == 2
 
 
 def test_a_bus_that_goes_is_noticed():
@@ -73,15 +68,9 @@ class Talkative(CanHub):
 
 
 def test_a_bus_may_be_busy_as_it_is_opened():
-    hub = Talkative()
-    settings = {"interface": "socketcand", "host": "127.0.0.1", "port": hub.port}
-    bench = open_link("can", RIG, EMULATED.parent, settings)
-    far = open_link("can", RIG, EMULATED.parent, settings, rig_end=True)
-    far.send_frame(FRAME)
-    assert len(bench.receive_frames(1.0)) == 1
-    for end in (bench, far):
-        end.close()
-    hub.close()
+    with both_ends("can", hub=Talkative()) as (bench, far):
+        far.send_frame(FRAME)
+        assert len(bench.receive_frames(1.0)) == 1
 
 
 def test_a_server_that_answers_otherwise_is_one_clear_line():

@@ -29,12 +29,12 @@ def free_port() -> int:
 
 
 @contextmanager
-def link_settings(kind: str) -> Iterator[dict[str, Any]]:
-    """Give the settings of a link of this kind, with a bus behind it where it needs one."""
+def link_settings(kind: str, hub: CanHub | None = None) -> Iterator[dict[str, Any]]:
+    """Give the settings of a link of this kind; CAN has a bus behind it, ``hub`` or a plain one."""
     if kind == "udp":
         yield {"bench": f"127.0.0.1:{free_port()}", "rig": f"127.0.0.1:{free_port()}"}
         return
-    hub = CanHub()
+    hub = hub or CanHub()
     try:
         where = {"host": "127.0.0.1", "port": hub.port}
         yield {"interface": "socketcand", "channel": "can0", **where}
@@ -43,9 +43,11 @@ def link_settings(kind: str) -> Iterator[dict[str, Any]]:
 
 
 @contextmanager
-def both_ends(kind: str, rig: RigFile = RIG) -> Iterator[tuple[Any, Any]]:
+def both_ends(
+    kind: str, rig: RigFile = RIG, hub: CanHub | None = None
+) -> Iterator[tuple[Any, Any]]:
     """Give the bench's and the rig's end."""
-    with link_settings(kind) as settings:
+    with link_settings(kind, hub) as settings:
         bench = open_link(kind, rig, EMULATED.parent, settings)
         try:
             far = open_link(kind, rig, EMULATED.parent, settings, rig_end=True)

@@ -12,16 +12,16 @@ import numpy as np
 
 from steering_diagnosis.engine.findings import Region
 from steering_diagnosis.engine.fit import gram_of
-from steering_diagnosis.engine.noise import mean_square
 from steering_diagnosis.engine.remaining import within_tolerance
 from steering_diagnosis.engine.search import Search
 from steering_diagnosis.engine.structure import band
 
 INFLATION = 4.0
 """Of both covariances: what noise models do not know of noise that is not stationary."""
-NAMED = 3
 BLUR = 0.2
 """Standard deviations of a nuisance to which no model is known."""
+NAMED = 3
+"""Nuisances that are told, those most apart."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,12 +62,13 @@ def records_apart(search: Search, noise: np.ndarray) -> Region | None:
     if square < p.settings.least_disagreement:
         return None
     part = -search.held_nuisance @ shift
-    gone = held.energy(before) - held.energy(before - part)
+    energy = held.energy(before)
+    gone = energy - held.energy(before - part)
     j = int(np.argmax(gone / noise))
     output = p.runs.replay.outputs[j]
     names = [p.book.nuisances[i].name for i in np.argsort(-np.abs(each))[:NAMED]]
     text = f"the two records ask for different values of {', '.join(names)}"
-    above = max(mean_square(before, held.valid)[j] - noise[j], gone[j])
+    above = max(energy[j] - noise[j], gone[j])
     share = float(np.clip(gone[j] / above, 0.0, 1.0))
     where = band(part[:, j], held.runs.grid.step_s)
     return Region(output.balance, output.name, where, text, share, "both records")

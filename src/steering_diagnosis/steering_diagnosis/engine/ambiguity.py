@@ -34,8 +34,9 @@ def compare(problem: Problem, best: Fit, other: Fit, cause: str, block: np.ndarr
     own = block_scores(problem, other, block) - block_scores(problem, best, block)
     excess = other.misfit - best.misfit
     common = _in_either_noise(problem, best, other, block)
-    sigmas = max(float(excess / _spread(own)), float(common.sum() / _spread(common)))
-    return Comparison(rival, max(excess, float(common.sum())), sigmas, cosine(problem, best, other))
+    more = float(common.sum())
+    sigmas = max(float(excess / _spread(own)), float(more / _spread(common)))
+    return Comparison(rival, max(excess, more), sigmas, cosine(problem, best, other))
 
 
 def block_scores(problem: Problem, fit: Fit, block: np.ndarray) -> np.ndarray:
@@ -74,8 +75,6 @@ def _spread(difference: np.ndarray) -> float:
 
 def cosine(problem: Problem, best: Fit, other: Fit) -> float:
     """Return how alike two models' corrections are: of what each removes beyond the shared part."""
-    both = best.names & other.names
-    del both
     weights = problem.weights()
     a = best.noise.whiten(best.residual) * weights
     b = best.noise.whiten(other.residual) * weights
