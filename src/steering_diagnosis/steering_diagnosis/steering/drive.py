@@ -249,7 +249,7 @@ class Drive:
             curve = self.curves["rack_force"]
             self._jump[RUN_UP:] = low_pass(command.jump, curve.cutoff_hz)
             if curve.smoothed and self._cutoff_hz is None:
-                self.curves["rack_force"] = self._quiet_force(command.measured)
+                self.curves["rack_force"] = self._quiet_force(command.measured())
         return command
 
     def _quiet_force(self, expected: np.ndarray) -> Curve:

@@ -21,7 +21,8 @@ USUAL = 1
 class LoadCommand:
     """The force that the recorded command asks for at the rack.
 
-    record: with the channels of COMMAND. position: of the rack, smooth, (n,) [m].
+    record: with the channels of COMMAND. position: of the rack as measured, smooth, (n,) [m].
+    Its stiffness acts on where the rack is: an error of the position's sensor is one of the force.
     """
 
     def __init__(self, record: Record, position: np.ndarray) -> None:
@@ -30,10 +31,14 @@ class LoadCommand:
         self._position = position
         self._cell = record.channels.get("rack_force")
 
-    def force(self, age: int) -> np.ndarray:
-        """Return the force [N] at every tick that the command ``age`` ticks ago asks for, (n,)."""
+    def force(self, age: int, position: np.ndarray | None = None) -> np.ndarray:
+        """Return the force [N] at every tick that the command ``age`` ticks ago asks for, (n,).
+
+        position: where the rack is, (n,) [m]; None: where it was measured.
+        """
         late = np.maximum(np.arange(len(self._force)) - age, 0)
-        return self._offset[late] + self._stiffness[late] * self._position
+        at = self._position if position is None else position
+        return self._offset[late] + self._stiffness[late] * at
 
     @cached_property
     def age(self) -> int:
@@ -44,10 +49,9 @@ class LoadCommand:
         best = int(np.argmin(misfits))
         return best if misfits[best] < 0.98 * misfits[USUAL] else USUAL
 
-    @property
-    def measured(self) -> np.ndarray:
-        """What the load cell should measure at every tick [N], (n,)."""
-        return self.force(self.age)
+    def measured(self, position: np.ndarray | None = None) -> np.ndarray:
+        """Return what the load cell should measure at every tick [N], (n,), see ``force``."""
+        return self.force(self.age, position)
 
     @property
     def jump(self) -> np.ndarray:

@@ -70,11 +70,11 @@ def rack_force_error(run: Run) -> np.ndarray:
     """Return the load's balance [N]: the load cell less the command and the cylinder's friction."""
     drive = run.drive
     assert drive.command is not None
-    force = drive.command.measured
+    position = drive.felt("rack_position", run.parameters)[RUN_UP:]
+    force = drive.command.measured(position)
     friction = run.effects.get(LOAD_FRICTION)
     if friction is not None:
         added = np.empty(len(force))
-        position = drive.curves["rack_position"].values[RUN_UP:]
         friction_along(position, friction["level"], friction["displacement"], added)
         force = force + added
     return drive.record["rack_force"] - as_measured(force, run.parameters, "rack_force")
