@@ -87,6 +87,22 @@ def test_a_lost_frame_is_a_tick_with_the_values_before_it(run):
     assert (report["lost_frames"], report["lost_at"]) == (1, [21])
 
 
+def test_frames_that_come_together_have_a_latency_each(run):
+    run.started(20)
+    run.session.open_bridge.reset_report()
+    for _ in range(3):
+        run.rig_end.send_frame(run.rig.measure())
+        run.rig.step([])
+    run.now_ns += 3 * PERIOD_NS
+    assert len(run.session.receive()) == 3
+    for ahead in (2, 1, 0):
+        run.now_ns += 400_000
+        run.session.answer(22 - ahead, VALUES, 0, None, ahead)
+    report = run.session.report()
+    assert (report["ticks"], report["late"]) == (3, 1), "0.4, 0.8 and 1.2 ms"
+    assert report["max"] == pytest.approx(1.2e-3)
+
+
 def test_old_commands_make_the_rig_safe_and_name_who_owes_them(run):
     run.started()
     run.tick(age=3, late="/driver/torque of node 'driver'")

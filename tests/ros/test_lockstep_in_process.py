@@ -34,8 +34,8 @@ def zygote():
         yield zygote
 
 
-def run(zygote, delays, periods, layout, path):
-    graph = dummies.graph(delays, periods, recorder="recorder", clock="rig")
+def run(zygote, delays, periods, layout, path, clock="rig"):
+    graph = dummies.graph(delays, periods, recorder="recorder", clock=clock)
     parameters = {"recorder": {"path": str(path)}}
     return graph, run_graph(
         graph, TICKS, parameters=parameters, layout=layout, urgent=True, zygote=zygote
@@ -56,3 +56,11 @@ def test_every_layout_gives_the_same_bytes_on_every_topic(zygote, way, tmp_path)
         assert sorted(bag.payloads) == sorted(set(graph.publisher) - {"/recorder/credit"})
         first = first or bag
         assert bags.first_difference(first, bag) is None, name
+
+
+@pytest.mark.parametrize("layout", ["one", "each"])
+def test_periods_that_come_together_are_answered_one_by_one(zygote, layout, tmp_path):
+    _, result = run(zygote, {}, {}, layout, tmp_path / "bag", "piled_rig")
+    assert result.ok, result.error
+    expected = [(tick, 2 - tick % 3) for tick in range(TICKS)]
+    assert [tuple(each) for each in result.node_results["plant"]["answers"]] == expected

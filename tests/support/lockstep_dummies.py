@@ -70,8 +70,11 @@ class Hardware:
         self.answered = False
         return rows
 
-    def answer(self, tick: int, values: Sequence[float], age: int, late: str | None) -> None:
+    def answer(
+        self, tick: int, values: Sequence[float], age: int, late: str | None, ahead: int
+    ) -> None:
         assert age == 0, late
+        assert ahead == 0
         self.answered = True
         if tick < self.last:
             self.core.step(tick, *values)
@@ -89,6 +92,24 @@ class Hardware:
         """There is nothing to close."""
 
 
+class Piles(Hardware):
+    """Made-up hardware that stands still now and then: periods come three at a time."""
+
+    def __init__(self, core: Mix, ticks: int) -> None:
+        super().__init__(core, ticks)
+        self.answers: list[tuple[int, int]] = []
+
+    def receive(self) -> list[tuple[float, ...]]:
+        return 3 * super().receive()
+
+    def answer(
+        self, tick: int, values: Sequence[float], age: int, late: str | None, ahead: int
+    ) -> None:
+        assert age == 0, late
+        self.answers.append((tick, ahead))
+        self.answered = ahead == 0
+
+
 class Rig(FreeClock):
     """A clock that nobody holds up, before hardware that waits for the nodes all the same."""
 
@@ -96,6 +117,15 @@ class Rig(FreeClock):
 
     def result(self) -> dict[str, Any]:
         return {**super().result(), "digest": self.core.core.seen.hexdigest()}
+
+
+class PiledRig(Rig):
+    """The same before hardware whose periods come in piles; tells what was answered."""
+
+    core: Piles
+
+    def result(self) -> dict[str, Any]:
+        return {**super().result(), "answers": self.core.answers}
 
 
 class Node(LockstepNode):
@@ -157,6 +187,12 @@ def plant(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
 def rig(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
     clock = Rig(context, spec, run, parameters)
     clock.core = Hardware(Mix(_size(spec), 1), run.ticks)
+    return clock
+
+
+def piled_rig(context: Any, spec: NodeSpec, run: Any, parameters: Any) -> Any:
+    clock = PiledRig(context, spec, run, parameters)
+    clock.core = Piles(Mix(_size(spec), 1), run.ticks)
     return clock
 
 

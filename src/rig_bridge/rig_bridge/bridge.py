@@ -70,10 +70,12 @@ class Bridge:
         late: str | None = None,
         excused: bool = False,
         reset: bool = False,
+        ahead: int = 0,
     ) -> Reply:
         """Send the commands of this tick, as far as the guard lets them through.
 
-        excused: old commands are no fault.
+        excused: old commands are no fault. ahead: how many of the measurements that came last are
+        not answered by these commands, but by later ones.
         """
         was = self.guard.state
         age = 0 if excused else asked_age
@@ -84,7 +86,7 @@ class Bridge:
         if asked_age > 0:
             self.held += reply.fresh
         else:
-            self._close_ticks()
+            self._close_ticks(ahead)
         return reply
 
     def hold(self) -> None:
@@ -115,9 +117,9 @@ class Bridge:
         self.link.send_demand(Demand(self.sequence, answers, order, values))
         self.sequence += 1
 
-    def _close_ticks(self) -> None:
-        now = self.clock()
-        for arrived, waited in self.open_ticks:
+    def _close_ticks(self, ahead: int = 0) -> None:
+        now, answered = self.clock(), max(len(self.open_ticks) - ahead, 0)
+        for arrived, waited in self.open_ticks[:answered]:
             self.latency.add(now - arrived)
             self.since_measured.add(now - arrived + waited)
-        self.open_ticks.clear()
+        del self.open_ticks[:answered]

@@ -102,7 +102,9 @@ class Session:
         self.begun = self.begun or bool(bridge.periods)
         return bridge.periods
 
-    def answer(self, tick: int, values: Sequence[float], age: int, late: str | None) -> None:
+    def answer(
+        self, tick: int, values: Sequence[float], age: int, late: str | None, ahead: int = 0
+    ) -> None:
         """Send the commands among ``values``, or the safe ones; nothing once it is closed."""
         if self.closed:
             return
@@ -112,7 +114,9 @@ class Session:
         self.commanded = self.commanded or (self.begun and age == 0)
         excused = not self.commanded and tick < FIRST_COMMANDS_TICKS
         reset, self.wants_reset = self.wants_reset, False
-        reply = bridge.answer(asked, asked_age=age, late=late, excused=excused, reset=reset)
+        reply = bridge.answer(
+            asked, asked_age=age, late=late, excused=excused, reset=reset, ahead=ahead
+        )
         self._note_lost(tick)
         if reply.state is not was:
             self._note_state(was, tick)

@@ -23,7 +23,8 @@ class FreeClock(ClockNode):
     """Publishes a tick whenever the hardware begins one, and answers it before the next.
 
     The commands of the tick are sent as soon as they are all there, at ``answer_by`` at the latest:
-    then the last values are held. What only a recorder reads is published after that. ``core`` is
+    then the last values are held. Of ticks that came together each has its own answer, as far as
+    there is time. What only a recorder reads is published after that. ``core`` is
     an ``Outside``.
     """
 
@@ -35,6 +36,7 @@ class FreeClock(ClockNode):
         super().__init__(*args, **kwargs)
         self.begun = False
         self.answered = True
+        self.ahead = 0
         self.status_due = 0
         self.told: Status | None = None
         self.complete = Future()
@@ -67,14 +69,20 @@ class FreeClock(ClockNode):
     def _turn(self) -> None:
         rows = self.core.receive()
         with self.outbox.held():
-            for row in rows:
+            for begun, row in enumerate(rows, 1):
                 self._begin(row)
-            self.answered = False
-            if rows and self.barrier.missing:
-                self._serve(self.core.answer_by)
-            if not self.answered:
+                self._await(len(rows) - begun)
+            if not rows:
                 self._answer()
         self._after()
+
+    def _await(self, ahead: int) -> None:
+        """Answer the tick as soon as its commands are there, the last of a turn in any case."""
+        self.answered, self.ahead = False, ahead
+        if self.barrier.missing:
+            self._serve(self.core.answer_by)
+        if not self.answered and not (ahead and self.barrier.missing):
+            self._answer()
 
     def _begin(self, row: tuple[float, ...]) -> None:
         """Publish the next tick; none is left out, however late the nodes are."""
@@ -97,7 +105,7 @@ class FreeClock(ClockNode):
         barrier = self.barrier
         age = barrier.age() if self.begun else 0
         late = self._debtor() if age else None
-        self.core.answer(barrier.tick, barrier.values(), age, late)
+        self.core.answer(barrier.tick, barrier.values(), age, late, self.ahead)
 
     def _debtor(self) -> str:
         """Return what is furthest behind, with its node."""

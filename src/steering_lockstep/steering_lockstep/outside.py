@@ -35,8 +35,13 @@ class Outside(Protocol):
     def receive(self) -> list[tuple[float, ...]]:
         """Wait for the hardware, a few ticks at most; return a row for each tick that began."""
 
-    def answer(self, tick: int, values: Sequence[float], age: int, late: str | None) -> None:
-        """Send commands at ``tick``: ``age`` ticks old, because ``late`` owes newer ones."""
+    def answer(
+        self, tick: int, values: Sequence[float], age: int, late: str | None, ahead: int
+    ) -> None:
+        """Send commands at ``tick``: ``age`` ticks old, because ``late`` owes newer ones.
+
+        ahead: how many ticks of the same ``receive`` are still to come.
+        """
 
     def status(self) -> Status:
         """Return the present state."""
