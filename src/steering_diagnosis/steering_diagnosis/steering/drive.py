@@ -22,6 +22,7 @@ from steering_diagnosis.steering.smoothing import (
     begins_moving,
     bridged,
     integrated,
+    is_noise,
     low_pass,
     spectrum,
 )
@@ -38,8 +39,6 @@ LONE_HZ = 250.0
 
 SLOW_HZ = 1.0
 """Lowest cut-off for what a sensor measures beyond the integrated speed."""
-
-NYQUIST_HZ = 0.5 / PERIOD_S
 
 NEGLIGIBLE = {
     "steering_wheel_angle": 1e-7,
@@ -222,7 +221,8 @@ class Drive:
     def _use_speed(self, position: str, speed: str) -> None:
         """Take fast motion from the speed's channel, where that is the quieter one.
 
-        Where position and integrated speed disagree by more than noise, the position stays.
+        It is so above the frequency at which the integrated speed's noise is as strong as the
+        position's. Where the two disagree there by more than noise, the position stays.
         """
         if not {position, speed} <= set(self.record.channels):
             return
@@ -231,13 +231,16 @@ class Drive:
             return
         rate = bridged(self.record[speed])
         known = spectrum(rate)
+        crossover = max(known.noise / (2.0 * np.pi * own.spectrum.noise), SLOW_HZ)
+        if crossover > 0.5 * own.cutoff_hz:
+            return
         moved = integrated(rate, known)
         beyond = bridged(self.record[position]) - moved
-        cutoff = spectrum(beyond, lowest_hz=SLOW_HZ).cutoff_hz
-        by_speed = known.noise / (2.0 * np.pi * np.sqrt(NYQUIST_HZ * cutoff))
-        by_position = own.spectrum.noise * np.sqrt(own.cutoff_hz / NYQUIST_HZ)
-        if by_speed < by_position and cutoff < 0.5 * own.cutoff_hz:
-            self.curves[position] = own.replaced(moved + low_pass(beyond, cutoff))
+        slow = low_pass(beyond, crossover)
+        fast = low_pass(beyond, own.cutoff_hz) - slow
+        motion = low_pass(moved, own.cutoff_hz) - low_pass(moved, crossover)
+        if is_noise(fast, motion, own.spectrum.noise):
+            self.curves[position] = own.replaced(moved + slow)
 
     def _load_command(self) -> LoadCommand | None:
         """Return the load's command where it is known, and how it jumps at the ticks."""
@@ -259,8 +262,11 @@ class Drive:
         down where it holds nothing but noise.
         """
         beyond = bridged(self.record["rack_force"]) - expected
-        cutoff = spectrum(beyond, lowest_hz=BEYOND_HZ).cutoff_hz
-        return self.curves["rack_force"].replaced(expected + low_pass(beyond, cutoff))
+        known = spectrum(beyond, lowest_hz=BEYOND_HZ)
+        beyond, slow = low_pass(beyond, known.cutoff_hz), low_pass(beyond, BEYOND_HZ)
+        if np.std(beyond - slow) < known.noise:
+            beyond = slow
+        return self.curves["rack_force"].replaced(expected + beyond)
 
     def _commands(self) -> np.ndarray:
         """Return the held inputs that are commands, (run-up + n, 7)."""

@@ -19,6 +19,10 @@ LOWEST_HZ, HIGHEST_HZ = 12.0, 120.0
 ABOVE_NOISE = 3.0
 """Spectral density over the noise's from which a frequency belongs to the signal."""
 
+RELATED = 0.3
+"""Share of an error that follows the motion from which it is none of noise."""
+
+EDGE = 300
 ORDER = 3
 
 
@@ -51,8 +55,20 @@ def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:
     """Return ``values`` (n, ...) low-passed with zero phase."""
     sections = signal.butter(ORDER, 2.0 * cutoff_hz * PERIOD_S, output="sos")
     return np.asarray(
-        signal.sosfiltfilt(sections, values, axis=0, padlen=min(300, len(values) - 1))
+        signal.sosfiltfilt(sections, values, axis=0, padlen=min(EDGE, len(values) - 1))
     )
+
+
+def is_noise(error: np.ndarray, motion: np.ndarray, noise: float) -> bool:
+    """Return whether an error (n,) is no more than noise, and no gain or delay of a motion (n,).
+
+    The ends, where low-passes miss what comes before and after, do not count.
+    """
+    inner = slice(EDGE, -EDGE) if len(error) > 4 * EDGE else slice(None)
+    columns = np.column_stack([motion, np.gradient(motion)])[inner]
+    solved = np.linalg.lstsq(columns, error[inner], rcond=None)[0]
+    size = np.std(error[inner])
+    return bool(size < noise and np.std(columns @ solved) < RELATED * size)
 
 
 def integrated(values: np.ndarray, known: Spectrum) -> np.ndarray:

@@ -1,0 +1,53 @@
+"""The wheel's motion from two sensors: fast motion from the speed, unless the two disagree."""
+
+import numpy as np
+import pytest
+
+from steering_core.parameters import load_parameters
+from steering_diagnosis.data.record import Record
+from steering_diagnosis.steering.drive import RUN_UP, Drive
+
+TIME = np.arange(12_000) * 1e-3
+PHASE = 2.0 * np.pi * (0.3 + 0.14 * TIME) * TIME
+ANGLE = 0.6 * np.sin(PHASE)
+SPEED = 0.6 * np.cos(PHASE) * 2.0 * np.pi * (0.3 + 0.28 * TIME)
+ANGLE_NOISE, SPEED_NOISE = 1.5e-4, 4e-3
+
+
+def errors(speed):
+    """Return the wheel's curve with noise on both sensors, less the angle, and whether it fused."""
+    random = np.random.default_rng(7)
+    channels = {
+        "steering_wheel_angle": ANGLE + ANGLE_NOISE * random.standard_normal(len(TIME)),
+        "rack_force": np.zeros(len(TIME)),
+        "left_pressure": np.full(len(TIME), 1e6),
+        "right_pressure": np.full(len(TIME), 1e6),
+    }
+    if speed is not None:
+        noise = SPEED_NOISE * random.standard_normal(len(TIME))
+        channels["steering_wheel_speed"] = speed + noise
+    curve = Drive(Record("open_centre", channels, load_parameters())).curves["steering_wheel_angle"]
+    return curve.values[RUN_UP:] - ANGLE, not curve.low_passed
+
+
+def acceleration(error):
+    return np.std(np.diff(error, 2)[500:-500]) / 1e-6
+
+
+def test_fast_motion_comes_from_the_quieter_speed():
+    together, fused = errors(SPEED)
+    alone, nothing = errors(None)
+    assert fused
+    assert not nothing
+    assert np.std(together[500:-500]) < 0.7 * np.std(alone[500:-500])
+    assert acceleration(together) < 0.3 * acceleration(alone)
+
+
+DISAGREEING = {"gain": 1.02 * SPEED, "delay": np.roll(SPEED, 8), "dead": 0.0 * SPEED}
+
+
+@pytest.mark.parametrize("what", DISAGREEING)
+def test_where_the_two_disagree_the_position_stays(what):
+    error, fused = errors(DISAGREEING[what])
+    assert not fused
+    assert np.std(error[500:-500]) < 2.0 * ANGLE_NOISE
