@@ -22,8 +22,10 @@ from steering_diagnosis.benchmark.page import benchmark_page, rate_row
 from steering_diagnosis.benchmark.runner import Job, calibrate, plan, run_jobs
 from steering_diagnosis.benchmark.scoring import Judgement, confusion, rates
 from steering_diagnosis.running import Steps, pool
+from steering_diagnosis.steering.clean_gains import largest
 
 SAMPLE, FULL, FULL_CLEAN = 20, 200, 300
+GAINS = "steering_diagnosis.steering.clean_gains:gains_of"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -39,6 +41,8 @@ def parser() -> argparse.ArgumentParser:
     add("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
     add("--calibrate", metavar="MODULE:FUNCTION", help="distribution of a statistic (bag to number)"
         " over N clean records of seeds that no benchmark uses")  # fmt: skip
+    add("--clean-gains", type=Path, metavar="FILE", help="write what N clean records gain by wrong"
+        " causes: the engine's own calibration")  # fmt: skip
     add("--json", type=Path, metavar="FILE", help="write the numbers here too")
     add(
         "--page", type=Path, metavar="FILE", help="write the HTML page here (default: in --records)"
@@ -65,6 +69,8 @@ def main() -> int:
 
 
 def _run(asked: argparse.Namespace, folder: Path) -> int:
+    if asked.clean_gains:
+        return _clean_gains(asked, folder)
     if asked.calibrate:
         return _calibrate(asked, folder)
     jobs = plan(FULL if asked.full else asked.cases, asked.seed, asked.kinds)
@@ -109,9 +115,8 @@ def report(method: str, judgements: list[Judgement]) -> dict[str, Any]:
     }
 
 
-def _calibrate(asked: argparse.Namespace, folder: Path) -> int:
-    import numpy as np
-
+def _over_clean(asked: argparse.Namespace, statistic: str, folder: Path) -> list[Any]:
+    """Return a statistic over clean records, with a bar."""
     with Steps("calibrating") as bar, pool(asked.jobs) as executor:
         count = 0
 
@@ -120,7 +125,24 @@ def _calibrate(asked: argparse.Namespace, folder: Path) -> int:
             count += 1
             bar(count / asked.cases, f"{count} of {asked.cases}")
 
-        values = calibrate(asked.cases, asked.calibrate, folder, executor, done)
+        return calibrate(asked.cases, statistic, folder, executor, done)
+
+
+def _clean_gains(asked: argparse.Namespace, folder: Path) -> int:
+    found = largest(_over_clean(asked, GAINS, folder))
+    for system, gains in found["gains"].items():
+        print(f"{system}, {found['records'][system]} records")
+        for name, gain in gains.items():
+            print(f"  {name:50} {gain:6.2f}")
+    _write(asked.clean_gains, found)
+    _write(asked.json, found)
+    return 0
+
+
+def _calibrate(asked: argparse.Namespace, folder: Path) -> int:
+    import numpy as np
+
+    values = [float(value) for value in _over_clean(asked, asked.calibrate, folder)]
     levels = (0.5, 0.9, 0.95, 0.99, 0.997, 1.0)
     quantiles = {str(level): float(np.quantile(values, level)) for level in levels}
     for level, value in quantiles.items():

@@ -8,7 +8,7 @@ from steering_diagnosis.benchmark.bags import record_of
 from steering_diagnosis.benchmark.truth.course import draw_course
 from steering_diagnosis.benchmark.truth.disturbance import WHITE
 from steering_diagnosis.benchmark.truth.run import run_closed_loop
-from steering_diagnosis.benchmark.truth.specimen import draw_specimen
+from steering_diagnosis.benchmark.truth.specimen import draw_specimen, nominal_specimen
 from steering_diagnosis.data.channels import MEASURED
 from steering_diagnosis.steering.drive import SENSORS
 from steering_diagnosis.steering.replay import SteeringReplay
@@ -43,3 +43,21 @@ def test_a_specimen_s_own_parameters_leave_a_tenth_of_the_noise(system, kind, lo
     left = np.sqrt(np.nanmean(residuals**2, axis=0))
     for output, rms in zip(replay.outputs, left, strict=True):
         assert rms < SHARE.get(output.name, 0.1) * NOISE[output.name], output.name
+
+
+@pytest.mark.parametrize("system", ["open_centre", "closed_centre"])
+def test_what_the_inputs_noise_does_is_known_without_knowing_the_noise(system):
+    """White noise of the sensors: error of the prediction against a second draw's."""
+    random = np.random.default_rng(6)
+    specimen = nominal_specimen(NOMINAL)
+    course = draw_course(random, 8.0, "weave", "bicycle")
+    noise = WHITE * random.standard_normal((len(course.angle), len(WHITE)))
+    signals = run_closed_loop(specimen, NOMINAL, course, system == "closed_centre", noise)
+    record = record_of(signals, NOMINAL, system, "bicycle", "truth")
+    replay = SteeringReplay(record)
+    residuals, shaken = replay.residuals({}, {}), replay.shaken()
+    for name in ("torsion_bar_torque", "left_pressure", "rack_position"):
+        column = [o.name for o in replay.outputs].index(name)
+        added = noise[:, list(MEASURED).index(name)]
+        error = np.nanstd(residuals[:, column] - added)
+        assert 0.5 < np.nanstd(shaken[:, column]) / error < 2.0, name

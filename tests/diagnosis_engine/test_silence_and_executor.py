@@ -17,7 +17,7 @@ from steering_diagnosis.engine.findings import Findings
 
 def _numbers(found: Findings) -> tuple[object, ...]:
     causes = {c.hypothesis.name: dict(c.parameters) for c in found.causes}
-    return found.verdict, causes, dict(found.nuisances), found.largest_ratio
+    return found.verdict, causes, dict(found.nuisances), found.losers
 
 
 @pytest.mark.parametrize("seed", [10, 11, 12, 13])

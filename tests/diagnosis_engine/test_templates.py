@@ -33,6 +33,9 @@ class Stopped:
         at = 0.08 - effects.get("stop", {}).get("earlier", 0.0)
         return -nuisances.get("gain", 1.0) * np.minimum(self.states()["position"], at)[:, None]
 
+    def shaken(self):
+        return np.zeros((2000, 1))
+
     def states(self):
         return {"position": 0.032 * np.sin(np.linspace(0.0, 20.0, 2000))}
 

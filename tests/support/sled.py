@@ -128,6 +128,9 @@ class SledReplay:
         )
         return self.measured - predicted
 
+    def shaken(self) -> np.ndarray:
+        return np.zeros_like(self.measured)
+
     def states(self) -> Mapping[str, np.ndarray]:
         return {
             "position": self.measured[:, 0],

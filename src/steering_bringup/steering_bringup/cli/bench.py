@@ -21,7 +21,17 @@ EXAMPLES = """examples:
 A benchmark is a file benchmarks/NAME.py that takes --json FILE. It prints a table, writes its
 numbers to the file, and ends with status 0 where they were measured."""
 
-OF_DIAGNOSIS = ("cases", "kinds", "seed", "records", "method", "jobs", "calibrate", "page")
+OF_DIAGNOSIS = (
+    "cases",
+    "kinds",
+    "seed",
+    "records",
+    "method",
+    "jobs",
+    "page",
+    "calibrate",
+    "clean_gains",
+)
 """Options that are handed on to the sealed benchmark of diagnosis, with --full."""
 
 
@@ -49,6 +59,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--method", metavar="MODULE:FUNCTION", help="bag to report; or engine, baseline")
     add("--jobs", metavar="N", help="processes (default: 2)")
     add("--calibrate", metavar="MODULE:FUNCTION", help="a statistic over N clean records instead")
+    add("--clean-gains", metavar="FILE", help="what N clean records gain by wrong causes instead")
     add("--page", metavar="FILE", help="the HTML page (default: in --records)")
 
 
@@ -94,7 +105,7 @@ def _of_diagnosis(options: argparse.Namespace) -> list[str]:
     given = {name: getattr(options, name) for name in OF_DIAGNOSIS if getattr(options, name)}
     more = [] if not options.full else ["--full"]
     for name, value in given.items():
-        more += [f"--{name}", *(value if isinstance(value, list) else [value])]
+        more += [f"--{name.replace('_', '-')}", *(value if isinstance(value, list) else [value])]
     if more and "diagnosis" not in options.names:
         raise BenchError(f"{more[0]} belongs to the benchmark 'diagnosis': steer bench diagnosis")
     return more

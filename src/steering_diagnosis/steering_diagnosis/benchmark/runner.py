@@ -136,8 +136,8 @@ def prepare(job: Job, folder: Path) -> tuple[Path, Path]:
 
 def calibrate(
     count: int, statistic: str, folder: Path, executor: Executor | None, done: Callable[[], None]
-) -> list[float]:
-    """Return a statistic (MODULE:FUNCTION of a bag's path) over clean records, sorted."""
+) -> list[Any]:
+    """Return a statistic (MODULE:FUNCTION of a bag's path) over clean records."""
     load_function(statistic)
     jobs = [Job("clean", CALIBRATION_SEED + i) for i in range(count)]
     values = []
@@ -145,16 +145,16 @@ def calibrate(
         for job in jobs:
             values.append(_statistic(job, statistic, folder))
             done()
-        return sorted(values)
+        return values
     for future in as_completed([executor.submit(_statistic, j, statistic, folder) for j in jobs]):
         values.append(future.result())
         done()
-    return sorted(values)
+    return values
 
 
-def _statistic(job: Job, statistic: str, folder: Path) -> float:
+def _statistic(job: Job, statistic: str, folder: Path) -> Any:
     bag, _ = prepare(job, folder)
-    return float(load_function(statistic)(bag))
+    return load_function(statistic)(bag)
 
 
 def _tuples(value: Any) -> Any:

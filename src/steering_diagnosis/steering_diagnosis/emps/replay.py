@@ -185,6 +185,10 @@ class AxisReplay:
         error[self.unjudged] = np.nan
         return error[:, None]
 
+    def shaken(self) -> np.ndarray:
+        """Return zeros, (n, 1): an encoder's position has hardly any noise."""
+        return np.zeros((len(self.motion.position), 1))
+
     def states(self) -> Mapping[str, np.ndarray]:
         """Return position, speed and acceleration, (n,)."""
         m = self.motion

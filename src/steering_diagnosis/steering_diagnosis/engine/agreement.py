@@ -57,7 +57,8 @@ def records_apart(search: Search, noise: np.ndarray) -> Region | None:
         return None
     before = held.residual(p, null)
     shift, information = within_tolerance(search, before, null.z)
-    first = Estimate(null.z, gram_of(null.noise.whiten(p.nuisance), p.weights() ** 2))
+    own = p.noise(null.residual)
+    first = Estimate(null.z, gram_of(own.whiten(p.nuisance), p.weights() ** 2))
     square, each = disagreement(first, Estimate(null.z + shift, information))
     if square < p.settings.least_disagreement:
         return None

@@ -8,6 +8,8 @@ from scipy.interpolate import BSpline
 KNOTS = 40
 COARSE, FINE = 5, 72
 LAGS = (1, 2, 4, 8)
+ORDERS = 40
+"""Harmonics of an angle, in periods a turn: gear teeth, magnets."""
 DEGREE = 2
 DIRECTED = 0.1
 """Share of a state's usual speed at which its direction is certain."""
@@ -30,6 +32,13 @@ def repeated(x: np.ndarray) -> np.ndarray:
     """Return fine, evenly spaced splines in a state, (n, k): for what repeats along it."""
     even = np.linspace(x.min(), x.max(), FINE + 1)
     return splines(x, np.r_[[even[0]] * DEGREE, even, [even[-1]] * DEGREE])
+
+
+def orders(angle: np.ndarray) -> np.ndarray:
+    """Return the harmonics of an angle [rad], (n, k): what comes again with every turn."""
+    phase = angle[:, None] * np.arange(1, ORDERS + 1)
+    both = np.c_[np.cos(phase), np.sin(phase)]
+    return both - both.mean(axis=0)
 
 
 def by_direction(x: np.ndarray) -> np.ndarray:

@@ -37,6 +37,11 @@ class Kept:
         """Mean square of each output of the fitted record that is noise, (outputs,)."""
         return self.left[0].noise
 
+    @property
+    def held_noise(self) -> np.ndarray:
+        """The same of the held-out samples: of a second record, its own."""
+        return self.left[-1].noise
+
 
 def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     """Judge the best model of a search and gather everything that a report needs."""
@@ -45,7 +50,7 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     best, noise = kept.best, kept.noise
     evidence = {n: search.weigh(search.without(best, n), best) for n in sorted(best.names)}
     rivals = {n: _rivals(search, best, n, block) for n in sorted(best.names)}
-    causes = _causes(search, best, evidence, rivals, block, noise)
+    causes = _causes(search, best, evidence, rivals, block, kept.held_noise)
     least = problem.settings.least_unexplained
     regions = [r for left in kept.left for r in left.regions(least)] or list(kept.against)
     if not regions and not causes:
@@ -55,7 +60,6 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     book = problem.book
     call, call0 = book.call(best.z, best.values), book.call(null.z, null.values)
     nominal = problem.known(problem.runs.one(book.call(0.0 * null.z, {})))
-    first = search.scores(null)
     return Findings(
         verdict=_verdict(causes, bool(regions), len(undecidable) == len(book.hypotheses)),
         causes=causes,
@@ -68,7 +72,7 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         nuisances=call.nuisances,
         effects=call.effects,
         fitted=_rms(search, noise, nominal, null, best, problem.training),
-        held_out=_held_rms(search, noise, nominal, null, best),
+        held_out=_held_rms(search, kept.held_noise, nominal, null, best),
         undecidable=undecidable,
         explained=kept.left[0].explained if best.values else 0.0,
         calls=problem.runs.calls,
@@ -77,9 +81,6 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         residual_nominal=nominal,
         residual_refitted=null.residual,
         residual_extended=best.residual,
-        largest_ratio=first[0].gain if first else 0.0,
-        largest_parameters=len(book.hypotheses[first[0].hypothesis].parameters) if first else 1,
-        trials=len(search.trials),
         notes=kept.notes,
     )
 
@@ -89,7 +90,7 @@ def _standing(search: Search, best: Fit, block: np.ndarray) -> Kept:
     left = left_by(search, best, block)
     notes: tuple[str, ...] = ()
     unconfirmed: list[Region] = []
-    for name in _unseen(search, best, left[0].noise):
+    for name in _unseen(search, best, left[-1].noise):
         notes = (*notes, f"{name} was left out: held out, no output's error stands above its noise")
         reduced = search.without(best, name)
         unconfirmed += left[0].unconfirmed(reduced.residual - best.residual)

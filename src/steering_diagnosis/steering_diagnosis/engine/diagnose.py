@@ -36,6 +36,25 @@ def diagnose(
     holdout: the same model bound to another record; without it, blocks of the record are held out.
     executor: where replays run; replays are pickled to it. BenchError: too few samples.
     """
+    tell = progress or (lambda share, text: None)
+    search, block = begin(fit, holdout, executor=executor, progress=tell, settings=settings)
+    findings = conclude(search, search.best(), block)
+    tell(1.0, "done")
+    return findings
+
+
+def begin(
+    fit: Replay,
+    holdout: Replay | None = None,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    settings: Settings | None = None,
+) -> tuple[Search, np.ndarray]:
+    """Return the search that a diagnosis begins with, and the block of each sample, (n,).
+
+    The nominal model is fitted and the catalogue's templates are there. As for ``diagnose``.
+    """
     settings = settings or Settings()
     tell = progress or (lambda share, text: None)
     grid = sampling(_length(fit), fit.period_s, settings)
@@ -58,6 +77,7 @@ def diagnose(
         valid=valid,
         training=valid & ~out[:, None],
         floor=resolution(base, nuisance, trials, settings),
+        shaken=np.nan_to_num(grid.reduce(fit.shaken())),
     )
     held = (
         HeldOut(None, valid, block, valid & out[:, None])
@@ -66,9 +86,7 @@ def diagnose(
     )
     null = nominal(problem)
     search = Search(problem, held, trials, null, lambda name: tell(_share(runs, expected), name))
-    findings = conclude(search, search.best(), block)
-    tell(1.0, "done")
-    return findings
+    return search, block
 
 
 def resolution(

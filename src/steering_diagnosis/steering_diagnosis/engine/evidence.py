@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from functools import cache
-from importlib import resources
-from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -16,6 +12,7 @@ from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.fit import Fit, Problem
 from steering_diagnosis.engine.intervals import covariance
 from steering_diagnosis.engine.noise import Noise, fit_noise, mean_square, usable
+from steering_diagnosis.engine.settings import Settings
 
 SURE = 2.0
 """Standard errors between an estimate and what would be no cause."""
@@ -89,23 +86,15 @@ class Evidence:
     why_not: str
 
 
-@cache
-def calibration() -> dict[str, Any]:
-    """Return the family-wise calibration; ``source`` says what it was made of."""
-    text = resources.files("steering_diagnosis.engine").joinpath("calibration.json").read_text()
-    return dict(json.loads(text))
-
-
-def family_p(ratio: float, parameters: int, trials: int) -> float:
-    """Return the family-wise p-value of a likelihood ratio, inflated by the calibration."""
-    inflation = float(calibration()["inflation"])
+def family_p(ratio: float, parameters: int, trials: int, inflation: float) -> float:
+    """Return the family-wise p-value of a likelihood ratio."""
     single = stats.chi2.sf(max(ratio, 0.0) / inflation, parameters)
     return float(-np.expm1(trials * np.log1p(-min(single, 1.0 - 1e-16))))
 
 
-def critical_ratio(p: float, trials: int) -> float:
+def critical_ratio(settings: Settings, trials: int) -> float:
     """Return the ratio of one parameter that is significant over the catalogue."""
-    return float(stats.chi2.isf(p / max(trials, 1), 1) * float(calibration()["inflation"]))
+    return float(stats.chi2.isf(settings.family_p / max(trials, 1), 1) * settings.inflation)
 
 
 def weigh(
@@ -115,17 +104,15 @@ def weigh(
     full: Fit,
     floor: np.ndarray,
     trials: int,
-    whole: float,
 ) -> Evidence:
     """Weigh a model with one more cause against the model without it.
 
-    floor: mean squares that the whole catalogue set free would leave, (outputs,). whole: gain in
-    misfit of all causes together.
+    floor: mean squares that the whole catalogue set free would leave, (outputs,).
     """
     s = problem.settings
     k = sum(len(v) for v in full.values.values()) - sum(len(v) for v in without.values.values())
     ratio = without.misfit - full.misfit
-    p = family_p(ratio, max(k, 1), trials)
+    p = family_p(ratio, max(k, 1), trials, s.inflation)
     bic = -ratio + max(k, 1) * np.log(max(full.noise.count.max(), 2.0))
     before, after = held.residual(problem, without), held.residual(problem, full)
     gain = held.gain(problem, without.noise, full.noise, before, after)
@@ -138,31 +125,18 @@ def weigh(
     if problem.book.nuisance_of(cause) is not None:
         least = max(least, s.least_share_parameter)
     samples = max(float(full.noise.count.max()), 1.0)
-    gained = max(ratio, gain_in_its_noise(problem, without, full))
-    main = ratio >= s.main_share * whole
-    least_size = s.least_size_main if main else s.least_size
     reasons = [
         (p > s.family_p, f"not significant over the catalogue (p = {p:.2g})"),
-        (gained < s.least_gain * samples, f"gains only {gained / samples:.2f} a sample"),
+        (ratio < s.least_gain_of(cause) * samples, f"gains only {ratio / samples:.2f} a sample"),
         (bic > -STRONG, f"the information criterion is against it ({bic:+.1f})"),
         (sigmas < s.held_out_sigmas, f"no certain gain on held-out data ({sigmas:.1f} sigma)"),
         (material < least, f"removes only {material:.0%} of the error above the noise"),
-        (size < least_size, f"too small to be seen ({size:.0%} of a visible size)"),
+        (size < s.least_size, f"too small to be seen ({size:.0%} of a visible size)"),
         (not beyond, "its interval reaches into what the tolerances allow"),
         (at_bound(problem, full, cause), "its estimate runs to the end of its bounds"),
     ]
     why = next((text for failed, text in reasons if failed), "")
     return Evidence(ratio, p, float(bic), sigmas, share, material, why)
-
-
-def gain_in_its_noise(problem: Problem, without: Fit, full: Fit) -> float:
-    """Return the gain of a cause where the noise is what the model with it leaves.
-
-    Without the cause a slow error is taken for coloured noise, which then seems to explain it.
-    """
-    weights = problem.weights()
-    before, after = (full.noise.whiten(f.residual) * weights for f in (without, full))
-    return float(np.sum(before**2) - np.sum(after**2))
 
 
 def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:

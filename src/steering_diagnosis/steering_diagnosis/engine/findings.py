@@ -87,8 +87,4 @@ class Findings:
     residual_nominal: np.ndarray
     residual_refitted: np.ndarray
     residual_extended: np.ndarray
-    largest_ratio: float = 0.0
-    """The largest likelihood ratio of a single hypothesis: what the calibration is made of."""
-    largest_parameters: int = 1
-    trials: int = 1
     notes: tuple[str, ...] = field(default=())

@@ -27,8 +27,6 @@ STEP_Z = 0.5
 """Step of the nuisances' differences, in standard deviations."""
 MOVED, TRADES, RENEWED = 1.5, 0.4, 4
 """Nuisances whose columns are renewed: moved so far, or correlated so much; at most so many."""
-REACHED = 1.2
-"""Mean square over what the whole catalogue would leave, from which a fit may be a poor one."""
 WHITE_STEPS = 4
 """Steps under white noise at most."""
 SMALL = 0.5
@@ -43,7 +41,9 @@ class Problem:
 
     nuisance: columns of the nuisances, (n, outputs, p). valid, training: (n, outputs) bool.
     floor: resolution of each output, see ``Settings.resolution``. frozen: parameters of hypotheses,
-    by name and position, that stay where they are.
+    by name and position, that stay where they are. common: the noise that every model is judged in;
+    None: each in that which it leaves. shaken: what another draw of the
+    inputs' noise does, (n, outputs).
     """
 
     runs: Evaluator
@@ -54,12 +54,15 @@ class Problem:
     training: np.ndarray
     floor: np.ndarray
     frozen: frozenset[tuple[str, int]] = frozenset()
+    common: Noise | None = None
+    shaken: np.ndarray | None = None
 
     def noise(self, residual: np.ndarray) -> Noise:
         """Fit the noise to a residual on the training samples."""
         s = self.settings
         rows = usable(self.valid, s.noise_order) & self.training
-        return fit_noise(residual, rows, self.floor, s.noise_order, self.runs.grid.density)
+        density = self.runs.grid.density
+        return fit_noise(residual, rows, self.floor, s.noise_order, density, self.shaken)
 
     def weights(self) -> np.ndarray:
         """Return the weight of each whitened sample, (n, outputs)."""
@@ -97,9 +100,18 @@ class Fit:
 
 
 def assess(problem: Problem, z: np.ndarray, values: Values, residual: np.ndarray) -> Fit:
-    """Return the fit with its noise at given parameters."""
-    noise = problem.noise(residual)
-    return Fit(z, values, residual, noise, noise.misfit + float(z @ z))
+    """Return the fit at given parameters, in the common noise or in its own."""
+    noise, prior = problem.common, float(z @ z)
+    if noise is None:
+        noise = problem.noise(residual)
+        return Fit(z, values, residual, noise, noise.misfit + prior)
+    return Fit(z, values, residual, noise, energy(problem, noise, residual) + prior)
+
+
+def energy(problem: Problem, noise: Noise, residual: np.ndarray) -> float:
+    """Return a residual's energy in units of a noise, over the training samples."""
+    white = noise.whiten(residual) * problem.weights()
+    return float(np.sum(white**2))
 
 
 def refit(
@@ -137,15 +149,14 @@ def refit(
     return now
 
 
-def settled(problem: Problem, z: np.ndarray, values: Values, floor: np.ndarray) -> Fit:
-    """Return the better of two fits: from the start itself, and from where white noise leads.
+def settled(problem: Problem, z: np.ndarray, values: Values, promised: float = np.inf) -> Fit:
+    """Return the fit from a start, or from where white noise leads if that is the better one.
 
-    Coloured noise swallows slow errors, and far from the truth it leaves optima of its own. Under
-    white noise of each output's own size slow errors keep their weight. floor: mean squares that
-    the whole catalogue set free would leave, (outputs,): who reaches them needs no second start.
+    Far from the truth coloured noise leaves optima of its own. Under white noise of each output's
+    own size slow errors keep their weight. promised: misfit that needs no second start.
     """
     direct = refit(problem, z, values)
-    if np.all(direct.noise.rms**2 < REACHED * floor):
+    if direct.misfit < promised:
         return direct
     start = _white_start(problem, z, values, _own_white)
     other = refit(problem, start.z, start.values)
@@ -165,11 +176,12 @@ def nominal(problem: Problem) -> Fit:
 
 
 def _own_white(problem: Problem, fit: Fit) -> Noise:
-    return fit.noise.white
+    return problem.noise(fit.residual).white
 
 
 def _fine(problem: Problem, fit: Fit) -> Noise:
-    return fit.noise.fine(fit.residual, problem.valid & problem.training, problem.floor)
+    rows = problem.valid & problem.training
+    return problem.noise(fit.residual).fine(fit.residual, rows, problem.floor)
 
 
 def _white_start(
@@ -196,13 +208,7 @@ def _white_start(
 
 def _under(problem: Problem, noise: Noise) -> Callable[[Fit], float]:
     """Return the measure of a fit under a given noise."""
-    weights = problem.weights()
-
-    def measure(fit: Fit) -> float:
-        white = noise.whiten(fit.residual) * weights
-        return float(np.sum(white**2) + fit.z @ fit.z)
-
-    return measure
+    return lambda fit: energy(problem, noise, fit.residual) + float(fit.z @ fit.z)
 
 
 def misfit(fit: Fit) -> float:

@@ -101,6 +101,12 @@ class Replay(Protocol):
         nuisances: absolute values of those that differ from nominal.
         """
 
+    def shaken(self) -> np.ndarray:
+        """Return what another draw of the inputs' noise changes in the residuals, (n, outputs).
+
+        Zeros where inputs have none. No model can explain that.
+        """
+
     def states(self) -> Mapping[str, np.ndarray]:
         """Return the signals that a free-form term may depend on, name [unit] to (n,)."""
 

@@ -78,13 +78,19 @@ def usable(valid: np.ndarray, order: int) -> np.ndarray:
 
 
 def fit_noise(
-    residual: np.ndarray, rows: np.ndarray, floor: np.ndarray, order: int, density: float
+    residual: np.ndarray,
+    rows: np.ndarray,
+    floor: np.ndarray,
+    order: int,
+    density: float,
+    shaken: np.ndarray | None = None,
 ) -> Noise:
     """Fit the autoregressions.
 
     residual: (n, outputs), zero where unknown. rows: samples to fit, see ``usable``. floor:
     standard deviation of a white part always assumed, (outputs,): shrinks the filters.
-    density: independent samples per sample.
+    density: independent samples per sample. shaken: noise, (n, outputs), of which as much is always
+    assumed, in its own colour.
     """
     outputs = residual.shape[1]
     coefficients = np.zeros((outputs, order))
@@ -95,6 +101,9 @@ def fit_noise(
             continue
         lags = residual[index[:, None] - np.arange(order + 1), j]
         moments = lags.T @ lags / len(index)
+        if shaken is not None:
+            known = shaken[index[:, None] - np.arange(order + 1), j]
+            moments += known.T @ known / len(index)
         white = max(floor[j] ** 2, WHITE_SHARE * moments[0, 0])
         moments += white * np.eye(order + 1)
         a = np.linalg.solve(moments[1:, 1:], moments[1:, 0])

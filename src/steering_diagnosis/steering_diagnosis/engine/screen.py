@@ -1,8 +1,6 @@
 """Screening: the whole catalogue by linear algebra, before any hypothesis is refitted.
 
 Nuisances and the causes already found are projected out of every template (score test, Rao 1948).
-Two noise models are tried: that of the present model, and that of the whole catalogue set free,
-because a large hidden effect would otherwise pass for noise and hide itself.
 """
 
 from __future__ import annotations
@@ -14,7 +12,6 @@ import numpy as np
 
 from steering_diagnosis.engine.catalogue import bounds
 from steering_diagnosis.engine.fit import FURTHEST, Fit, Problem, assess, bounded, normal_equations
-from steering_diagnosis.engine.noise import Noise
 from steering_diagnosis.engine.templates import Template
 
 PAIR_LEAD = 1.1
@@ -42,12 +39,15 @@ def active_columns(now: Fit) -> np.ndarray:
 
 
 def saturated(problem: Problem, now: Fit, trials: Sequence[Template]) -> np.ndarray:
-    """Return the residual that the whole catalogue, set free, would leave."""
+    """Return the residual that the whole catalogue, set free, would leave.
+
+    It begins under white noise, which leaves slow errors their weight.
+    """
     columns = _stack(problem, now, trials)
     p = problem.nuisance.shape[-1]
     prior = np.r_[np.ones(p), np.full(columns.shape[-1] - p, WIDE**-2)]
-    residual, noise = now.residual, now.noise
-    for _ in range(2):
+    residual, noise = now.residual, now.noise.white
+    for _ in range(3):
         state = Fit(now.z, now.values, now.residual, noise, now.misfit)
         gram, slope, _ = normal_equations(problem, state, columns)
         slope[:p] -= now.z
@@ -57,42 +57,31 @@ def saturated(problem: Problem, now: Fit, trials: Sequence[Template]) -> np.ndar
     return residual
 
 
-def screen(
-    problem: Problem, now: Fit, trials: Sequence[Template], noises: Sequence[Noise]
-) -> list[Score]:
-    """Return the hypotheses that may come next, best first, with their own noise refitted."""
+def screen(problem: Problem, now: Fit, trials: Sequence[Template]) -> list[Score]:
+    """Return the hypotheses that may come next, best first."""
     trials = [t for t in trials if t.hypothesis not in now.values]
     if not trials:
         return []
-    columns = _stack(problem, now, trials)
-    chosen: dict[int, None] = {}
-    for noise in noises:
-        state = Fit(now.z, now.values, now.residual, noise, now.misfit)
-        gains = _gains(problem, state, trials, columns)
-        best: dict[str, int] = {}
-        for i in np.argsort(-gains):
-            best.setdefault(trials[i].hypothesis, int(i))
-        chosen.update(dict.fromkeys(list(best.values())[: problem.settings.screened]))
-    scores = [_own_noise(problem, now, trials[i], n) for i in chosen for n in noises]
-    first: dict[str, Score] = {}
-    for s in sorted(scores, key=lambda s: (-s.gain, s.hypothesis)):
-        first.setdefault(s.hypothesis, s)
-    return list(first.values())
+    gains = _gains(problem, now, trials, _stack(problem, now, trials))
+    best: dict[str, int] = {}
+    for i in np.argsort(-gains):
+        best.setdefault(trials[i].hypothesis, int(i))
+    chosen = list(best.values())[: problem.settings.screened]
+    scores = [start_of(problem, now, trials[i]) for i in chosen]
+    return sorted(scores, key=lambda s: (-s.gain, s.hypothesis))
 
 
 def pairs(
     problem: Problem,
     now: Fit,
     trials: Sequence[Template],
-    noise: Noise,
     least: float,
     most: int,
 ) -> list[tuple[str, str]]:
     """Return pairs that together help clearly more than any single hypothesis, best first."""
     trials = [t for t in trials if t.hypothesis not in now.values]
     columns = _stack(problem, now, trials)
-    state = Fit(now.z, now.values, now.residual, noise, now.misfit)
-    gram, slope, at = _projected(problem, state, trials, columns)
+    gram, slope, at = _projected(problem, now, trials, columns)
     single = {i: _gain(gram, slope, at[i]) for i in range(len(trials))}
     alone = max(single.values())
     ranked: dict[tuple[str, str], float] = {}
@@ -105,11 +94,6 @@ def pairs(
                 if both > max(PAIR_LEAD * alone, alone + least):
                     ranked[pair] = max(ranked.get(pair, 0.0), both)
     return sorted(ranked, key=lambda p: (-ranked[p], p))[:most]
-
-
-def start_of(problem: Problem, now: Fit, trial: Template) -> Score:
-    """Return the linear start of one template from a fit."""
-    return _own_noise(problem, now, trial, now.noise)
 
 
 def _stack(problem: Problem, now: Fit, trials: Sequence[Template]) -> np.ndarray:
@@ -127,7 +111,8 @@ def _projected(
     # A nuisance at its tolerance's end explains no more.
     gram[np.arange(p), np.arange(p)] += np.where(np.abs(state.z) > FURTHEST - 0.01, FIXED, 1.0)
     slope[:p] -= state.z
-    inner = gram[:base, :base] + 1e-12 * np.diag(np.diag(gram)[:base])
+    # A cause that does nothing where it stands has a column of zeros.
+    inner = gram[:base, :base] + 1e-12 * np.diag(np.diag(gram)[:base] + 1.0)
     solved = np.linalg.solve(inner, np.c_[gram[:base, base:], slope[:base]])
     gram_t = gram[base:, base:] - gram[base:, :base] @ solved[:, :-1]
     slope_t = slope[base:] - gram[base:, :base] @ solved[:, -1]
@@ -167,11 +152,8 @@ def _reach(problem: Problem, t: Template) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
-def _own_noise(problem: Problem, now: Fit, trial: Template, noise: Noise) -> Score:
-    """Refit one template linearly, its noise included, from a first idea of the noise.
-
-    Noise and error can share one residual in more than one way, so several are tried.
-    """
+def start_of(problem: Problem, now: Fit, trial: Template) -> Score:
+    """Return one template's linear fit, within all bounds, from where a model stands."""
     columns = _stack(problem, now, [trial])
     p, k = problem.nuisance.shape[-1], len(trial.free)
     a = columns.shape[-1] - p - k
@@ -179,16 +161,11 @@ def _own_noise(problem: Problem, now: Fit, trial: Template, noise: Noise) -> Sco
     free = np.full(a, np.inf)
     low = np.r_[-FURTHEST - now.z - 1e-9, -free, reach[0]]
     high = np.r_[FURTHEST - now.z + 1e-9, free, reach[1]]
-    best = now
-    x = np.zeros(columns.shape[-1])
-    for _ in range(3):
-        state = Fit(now.z, now.values, now.residual, noise, now.misfit)
-        gram, slope, _ = normal_equations(problem, state, columns)
-        gram[np.arange(p), np.arange(p)] += 1.0
-        slope[:p] -= now.z
-        x = bounded(gram, slope, low, high)
-        best = assess(problem, now.z + x[:p], now.values, now.residual + columns @ x)
-        noise = best.noise
+    gram, slope, _ = normal_equations(problem, now, columns)
+    gram[np.arange(p), np.arange(p)] += 1.0
+    slope[:p] -= now.z
+    x = bounded(gram, slope, low, high)
+    best = assess(problem, now.z + x[:p], now.values, now.residual + columns @ x)
     values = {n: v.copy() for n, v in now.values.items()}
     h = problem.book.hypotheses[trial.hypothesis]
     values[trial.hypothesis] = np.clip(trial.values(x[-k:]), *bounds(h))

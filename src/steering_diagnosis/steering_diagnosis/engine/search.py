@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from steering_diagnosis.engine.ambiguity import ahead
 from steering_diagnosis.engine.evaluate import Call
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
-from steering_diagnosis.engine.fit import SMALL, Fit, Problem, gauss_newton, misfit, refit, settled
+from steering_diagnosis.engine.fit import Fit, Problem, misfit, refit, settled
+from steering_diagnosis.engine.noise import Noise
 from steering_diagnosis.engine.parsimony import parsimonious
 from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
 from steering_diagnosis.engine.templates import Template, nuisance_columns
@@ -23,8 +23,11 @@ CLOSE, FAR = 0.6, 0.25
 share where the model may be far from what it is linear about."""
 POLISHED, FINISHED = 4, 0.2
 """Thorough refits of a model at most; and the gain, in critical ratios, after which it is done."""
+KEPT = 0.8
+"""Share of a linear gain that a refit has to reach, else it is begun elsewhere as well."""
 PAIRS = 3
-RESTARTS = 3
+VERDICTS = 3
+"""Rounds in the noise that the verdict leaves, at most."""
 
 
 @dataclass(repr=False)
@@ -34,33 +37,33 @@ class Search:
     problem: Problem
     held: HeldOut
     trials: Sequence[Template]
-    null: Fit
+    start: Fit
     report: Callable[[str], None] = lambda _: None
     fits: dict[frozenset[str], Fit] = field(default_factory=dict)
     screened: dict[frozenset[str], list[Score]] = field(default_factory=dict)
     floor: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
-        self.fits[frozenset()] = self.null
-        residual = saturated(self.problem, self.null, self.trials)
-        self._noise = self.problem.noise(residual)
-        self.floor = self._noise.rms**2
-        self._other_start()
-        p = self.problem.settings.family_p
-        self.critical = critical_ratio(p, len(self.trials))
+        noise = self.problem.noise(saturated(self.problem, self.start, self.trials))
+        self.floor = noise.rms**2
+        self.critical = critical_ratio(self.problem.settings, len(self.trials))
         self._reduced: set[tuple[frozenset[str], str]] = set()
+        self._judge_in(noise, self.start)
 
-    def _other_start(self) -> None:
-        """Refit the nominal model from the noise that the whole catalogue would leave as well."""
-        null = self.null = self.fits[frozenset()] = settled(
-            self.problem, self.null.z, {}, self.floor
-        )
-        for noise in (self._noise, self._noise.white):
-            state = Fit(null.z, {}, null.residual, noise, null.misfit)
-            step, _, _ = gauss_newton(self.problem, state, {}, self.problem.nuisance)
-            other = refit(self.problem, null.z + step, {})
-            if other.misfit < self.null.misfit:
-                self.null = self.fits[frozenset()] = other
+    @property
+    def null(self) -> Fit:
+        """The best fit of the nominal model."""
+        return self.fits[frozenset()]
+
+    def _judge_in(self, noise: Noise, best: Fit) -> Fit:
+        """Judge every model in this noise from now on. Return the best one's fit."""
+        null = self.fits.get(frozenset(), self.start)
+        self.problem = replace(self.problem, common=noise)
+        self.fits.clear()
+        self.screened.clear()
+        self._reduced.clear()
+        self.fit(frozenset(), null.z, {})
+        return self.fit(best.names, best.z, dict(best.values))
 
     @cached_property
     def held_nuisance(self) -> np.ndarray:
@@ -72,27 +75,26 @@ class Search:
 
     def weigh(self, without: Fit, full: Fit) -> Evidence:
         """Weigh a model with one more cause."""
-        whole = self.null.misfit - full.misfit
-        return weigh(self.problem, self.held, without, full, self.floor, len(self.trials), whole)
+        return weigh(self.problem, self.held, without, full, self.floor, len(self.trials))
 
     def best(self) -> Fit:
         """Return the best model whose every cause is real.
 
-        A nominal model that fits better than when the search began, found on the way back from
-        some cause, begins it anew: against a poor one anything looks like a cause.
+        The search is made in the noise that the whole catalogue would leave, the verdict in that
+        which it leaves itself: slow errors would else pass for coloured noise and hide themselves,
+        or, where nothing explains them, pass for signal.
         """
-        for _ in range(RESTARTS):
-            final = self._once()
-            null = self.fits[frozenset()]
-            if null.misfit > self.null.misfit - SMALL:
+        final = self._standing(self.improve(self._forward()))
+        for _ in range(VERDICTS):
+            names = final.names
+            final = self._judge_in(self.problem.noise(final.residual), final)
+            final = self.improve(self._standing(final))
+            if final.names == names:
                 break
-            self.null, self.fits = null, {frozenset(): null}
-            self.screened.clear()
-            self._reduced.clear()
         return final
 
-    def _once(self) -> Fit:
-        final = self.improve(self._forward())
+    def _standing(self, final: Fit) -> Fit:
+        """Return a model without the causes that are not real."""
         while True:
             final = self.polished(final)
             reduced = self._without_weakest(final)
@@ -100,9 +102,15 @@ class Search:
                 return final
             final = self.improve(reduced)
 
-    def fit(self, names: frozenset[str], z: np.ndarray, values: dict[str, np.ndarray]) -> Fit:
-        """Refit a set of causes from a start, keeping the better of two fits."""
-        found = settled(self.problem, z, values, self.floor)
+    def fit(
+        self,
+        names: frozenset[str],
+        z: np.ndarray,
+        values: dict[str, np.ndarray],
+        promised: float = np.inf,
+    ) -> Fit:
+        """Refit a set of causes from a start, keeping the best fit. promised: see ``settled``."""
+        found = settled(self.problem, z, values, promised)
         known = self.fits.get(names)
         if known is None or found.misfit < known.misfit:
             self.fits[names] = found
@@ -121,11 +129,24 @@ class Search:
         return best
 
     def scores(self, now: Fit) -> list[Score]:
-        """Screen what may come next after a fit, once."""
+        """Screen what may come next after a fit, once: first what gains most of what it needs."""
         if now.names not in self.screened:
-            noises = [now.noise, self._noise, self._noise.white]
-            self.screened[now.names] = screen(self.problem, now, self.trials, noises)
+            found = screen(self.problem, now, self.trials)
+            self.screened[now.names] = sorted(found, key=lambda s: -self._worth(s))
         return self.screened[now.names]
+
+    def _worth(self, score: Score) -> float:
+        """Return a linear gain over what a clean record may gain by the same hypothesis."""
+        return score.gain / self.problem.settings.least_gain_of(score.hypothesis)
+
+    def gains(self, most: int) -> dict[str, float]:
+        """Return what single causes gain for each independent sample of an output, the refitted.
+
+        most: so many hypotheses are refitted, those whose linear gain is worth most.
+        """
+        samples = max(float(self.null.noise.count.max()), 1.0)
+        found = self.extended(self.null, most, 0.0)
+        return {min(f.names): (self.null.misfit - f.misfit) / samples for f in found}
 
     def extended(self, now: Fit, most: int, close: float = CLOSE) -> list[Fit]:
         """Return the best one-cause extensions of a fit, refitted.
@@ -133,22 +154,22 @@ class Search:
         close: share of the best linear gain that a hypothesis's own has to reach.
         """
         scores = self.scores(now)
-        if not scores:
-            return []
-        least = max(close * scores[0].gain, HOPELESS * self.critical)
+        gain = max((s.gain for s in scores), default=0.0)
+        worth = max((self._worth(s) for s in scores), default=0.0)
         found = []
         for s in scores[:most]:
-            if s.gain < least:
-                break
-            names = now.names | {s.hypothesis}
-            found.append(self.fits.get(names) or self._fit_beyond(now, s))
-            self.report(s.hypothesis)
+            large = s.gain > close * gain or self._worth(s) > close * worth
+            if large and s.gain > HOPELESS * self.critical:
+                names = now.names | {s.hypothesis}
+                found.append(self.fits.get(names) or self._fit_beyond(now, s))
+                self.report(s.hypothesis)
         return sorted(found, key=misfit)
 
     def _fit_beyond(self, now: Fit, start: Score) -> Fit:
         """Fit one more cause from its linear estimate, or from none of it where that leads away."""
         names = now.names | {start.hypothesis}
-        found = self.fit(names, start.z, start.values)
+        promised = now.misfit - KEPT * start.gain
+        found = self.fit(names, start.z, start.values, promised)
         if found.misfit > now.misfit - self.critical:
             h = self.problem.book.hypotheses[start.hypothesis]
             shapes = zip(h.parameters, start.values[h.name], strict=True)
@@ -168,23 +189,25 @@ class Search:
         return self.fits[names]
 
     def improve(self, final: Fit) -> Fit:
-        """Swap step: replace each cause by each of its rivals while that is better."""
+        """Swap step: replace each cause by each of its rivals while that is better or simpler."""
         for _ in range(2):
-            options = [final]
-            for name in sorted(final.names) if len(final.names) > 1 else []:
+            options = []
+            for name in sorted(final.names):
                 base = self.without(final, name)
-                options += [f for f in self.extended(base, 3) if self._sound(f)]
-            best = min(options, key=misfit)
-            if best is final:
+                rivals = self.extended(base, self.problem.settings.refitted_next)
+                sound = [f for f in rivals if f.names != final.names and self._sound(f)]
+                first = self._ranked([final, *sound], base)[0]
+                options += [first] if first is not final else []
+            if not options:
                 break
-            final = best
+            final = min(options, key=misfit)
         return final
 
     def _forward(self) -> Fit:
         beam, final = [self.null], self.null
         s = self.problem.settings
         for depth in range(s.most_causes):
-            most = s.refitted if depth == 0 else 3
+            most = s.refitted if depth == 0 else s.refitted_next
             passed = self._passed(beam, most, FAR)
             if depth == 0:
                 passed.update({f.names: f for f in self._pairs(passed)})
@@ -192,23 +215,24 @@ class Search:
                 passed = passed or self._passed(beam, s.screened, 0.0)
             if not passed:
                 break
-            ranked = self._ranked(passed.values())
+            ranked = sorted(passed.values(), key=misfit)
             beam = ranked[: s.beam]
             if final.misfit - ranked[0].misfit < 0.0:
                 break
             final = ranked[0]
         return final
 
-    def _ranked(self, fits: Iterable[Fit]) -> list[Fit]:
-        """Return models by misfit, but first one that beats the best in the noise of either.
+    def _ranked(self, fits: Iterable[Fit], base: Fit) -> list[Fit]:
+        """Return models by misfit, but first the simplest of those that gain as much as the best.
 
-        Of two, one may owe its misfit to coloured noise that takes up the slow error it leaves.
+        A difference that is too small for a further cause is the formula's: with a Stribeck speed
+        beyond all motion a Stribeck curve is a level, and a little more. base: without the cause.
         """
         ranked = sorted(fits, key=misfit)
-        for fit in ranked[1:]:
-            if ahead(self.problem, fit, ranked[0]) > self.critical:
-                ranked = [fit, *(other for other in ranked if other is not fit)]
-        return ranked
+        slack = self.problem.settings.least_next * max(base.misfit - ranked[0].misfit, 0.0)
+        equal = [f for f in ranked if f.misfit <= ranked[0].misfit + slack]
+        first = min(equal, key=lambda f: sum(len(v) for v in f.values.values()))
+        return [first, *(f for f in ranked if f is not first)]
 
     def _passed(self, beam: list[Fit], most: int, close: float) -> dict[frozenset[str], Fit]:
         """Return the extensions of the beam's models whose added cause is real."""
@@ -230,7 +254,7 @@ class Search:
         """Return pairs that are real although neither of the two need be real alone."""
         best = min((f.misfit for f in singles.values()), default=self.null.misfit)
         found = []
-        for a, b in pairs(self.problem, self.null, self.trials, self._noise, self.critical, PAIRS):
+        for a, b in pairs(self.problem, self.null, self.trials, self.critical, PAIRS):
             now = self.null
             for name in (a, b):
                 options = [t for t in self.trials if t.hypothesis == name]

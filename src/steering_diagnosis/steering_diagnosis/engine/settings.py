@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,10 @@ class Settings:
     # Search
     screened: int = 14
     """Hypotheses that go, for each idea of the noise, on to the linear refit with their own."""
-    refitted: int = 5
+    refitted: int = 6
     """Hypotheses that go on to the nonlinear refit."""
+    refitted_next: int = 5
+    """The same for a further cause, and for rivals of one of several."""
     beam: int = 2
     most_causes: int = 4
     iterations: int = 12
@@ -38,9 +41,13 @@ class Settings:
     # Decision
     family_p: float = 1e-3
     """Probability of a false name on a clean record, over the whole catalogue."""
+    inflation: float = 1.5
+    """Of likelihood ratios, because noise is neither Gaussian nor stationary."""
     least_gain: float = 0.5
     """Gain in misfit of a cause over an output's independent samples, at least: what clean records
     gain by a wrong cause, because their form is not quite the model's, is a matter of the model."""
+    least_gains: Mapping[str, float] = field(default_factory=dict)
+    """The same by hypothesis, where clean records gain more: the inputs' noise looks like it."""
     least_visible: float = 0.1
     """Energy that a cause takes off one held-out output at least, over that output's noise."""
     least_share: float = 0.10
@@ -49,13 +56,10 @@ class Settings:
     """The same for a further cause, of what the others leave."""
     least_share_parameter: float = 0.5
     """The same where the cause is a nominal parameter that no effect covers."""
-    least_next: float = 0.05
+    least_next: float = 0.01
     """Likelihood ratio of a further cause over the largest one's, at least."""
-    least_size: float = 0.2
+    least_size: float = 0.09
     """Of a hypothesis's visible (typical) size; smaller ones are not named."""
-    least_size_main: float = 0.09
-    """The same for a cause that carries the main share of what all causes gain: no leftover."""
-    main_share: float = 0.5
     least_explained: float = 0.45
     """Share that all causes together have to explain, else nothing is named."""
     held_out_sigmas: float = 1.7
@@ -74,3 +78,7 @@ class Settings:
     spoiling: float = 0.03
     """Structure in an output over what the causes explain there, in their own frequencies, from
     which they are not the causes: another formula for the same phenomenon leaves less."""
+
+    def least_gain_of(self, hypothesis: str) -> float:
+        """Return the least gain of a hypothesis."""
+        return max(self.least_gain, self.least_gains.get(hypothesis, 0.0))

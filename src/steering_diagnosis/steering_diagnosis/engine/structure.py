@@ -18,6 +18,7 @@ from scipy import signal, stats
 from steering_diagnosis.engine.basis import (
     by_direction,
     knots,
+    orders,
     product,
     repeated,
     single,
@@ -90,6 +91,8 @@ def structures(remains: Remains) -> list[Structure]:
     functions = {n: (x, single(x)) for n, x in states.items() if x is not None}
     # What repeats along a state, as a worn screw or tooth does, is finer than a smooth curve.
     more = {f"{n}, fine": (x, repeated(x)) for n, (x, _) in functions.items()}
+    turning = {n: x for n, (x, _) in functions.items() if n.endswith("[rad]")}
+    more |= {f"{n}, orders": (x, orders(x)) for n, x in turning.items()}
     # A speed's direction is an acceleration, which friction and hysteresis know nothing of.
     kept = {n: x for n, (x, _) in functions.items() if "/s" not in n}
     more |= {f"{n}, by direction": (x, by_direction(x)) for n, x in kept.items()}

@@ -17,6 +17,7 @@ from steering_diagnosis.engine.reporting import to_report
 from steering_diagnosis.engine.settings import Settings
 from steering_diagnosis.report import Diagnosis, Overlay, Report, Source, Verdict
 from steering_diagnosis.steering.balance_errors import Balances
+from steering_diagnosis.steering.clean_gains import settings_of
 from steering_diagnosis.steering.extension import extension
 from steering_diagnosis.steering.replay import SteeringReplay
 from steering_diagnosis.steering.smoothing import bridged, spectrum
@@ -27,10 +28,6 @@ Progress = Callable[[float, str], None]
 ESSENTIAL = "steering_wheel_angle"
 LEAST_ANGLE = 5e-3
 """Motion of the wheel [rad, standard deviation] below which nothing is excited."""
-
-SETTINGS = Settings(least_gain=0.9)
-"""What clean records of the benchmark hardly gain by a wrong cause, and visible causes do
-(docs/diagnosis_benchmark.md)."""
 
 INFERENCE = 0.9
 """Share of the time that the inference takes."""
@@ -65,7 +62,7 @@ def diagnose_record(
         other,
         executor=executor,
         progress=lambda share, what: tell(INFERENCE * share, what),
-        settings=settings or SETTINGS,
+        settings=settings or settings_of(record.valve_system),
     )
     tell(INFERENCE, "balances")
     report = to_report(

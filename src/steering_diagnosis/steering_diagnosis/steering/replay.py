@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Mapping
+from dataclasses import replace
 from uuid import uuid4
 
 import numpy as np
@@ -17,6 +18,7 @@ from steering_diagnosis.steering.drive import RUN_UP, Drive
 from steering_diagnosis.steering.full_model import full_model
 from steering_diagnosis.steering.outputs import Predicted, Run, acting, outputs_of
 from steering_diagnosis.steering.simulation import Simulation
+from steering_diagnosis.steering.smoothing import bridged, spectrum
 
 UNSETTLED = 300
 """Samples at the beginning that are not judged: hidden states are only guessed there."""
@@ -33,6 +35,15 @@ IMPOSSIBLE = 100.0
 
 LEAST_SHARE = 0.02
 """Share of its nominal value below which a positive parameter is not taken."""
+
+SHAKING = (
+    "steering_wheel_angle",
+    "steering_wheel_speed",
+    "rack_position",
+    "rack_speed",
+    "rack_force",
+)
+"""Channels whose noise shakes the replay, as far as they drive it."""
 
 KEPT = 4
 """Replays that a process remembers."""
@@ -135,11 +146,28 @@ class SteeringReplay:
             [p.residual(run) if p.there(self.drive) else nothing for p in self._predicted]
         )
 
+    def shaken(self) -> np.ndarray:
+        """Return what another draw of the inputs' noise changes in the errors, (n, outputs)."""
+        random = np.random.default_rng(0)
+        added = {
+            name: spectrum(bridged(self.record[name])).noise
+            * random.standard_normal(len(self.record))
+            for name in SHAKING
+            if name in self.record
+        }
+        channels = {name: x + added.get(name, 0.0) for name, x in self.record.channels.items()}
+        other = SteeringReplay(replace(self.record, channels=channels), like=self)
+        own = [added.get(o.name, np.zeros(len(self.record))) for o in self.outputs]
+        changed = other.errors({}, {}) - self.errors({}, {}) - np.column_stack(own)
+        changed[~self.judged] = np.nan
+        return changed
+
     def states(self) -> Mapping[str, np.ndarray]:
         """Return what a free-form term may depend on, name [unit] to (n,), nominal model."""
         trace = self.run({}, {}).trace
         load = trace["right_pressure"] - trace["left_pressure"]
         return {
+            "steering wheel angle [rad]": trace["steering_wheel_angle"],
             "rack position [m]": trace["rack_position"],
             "rack speed [m/s]": trace["rack_speed"],
             "steering wheel speed [rad/s]": trace["steering_wheel_speed"],
