@@ -31,6 +31,7 @@ from steering_diagnosis.benchmark.truth.run import Signals, run_closed_loop
 from steering_diagnosis.benchmark.truth.specimen import Specimen, draw_specimen
 from steering_diagnosis.benchmark.visibility import (
     INVISIBLE,
+    OUTSTANDING,
     Probe,
     Sensitivity,
     catalogue_for,
@@ -228,6 +229,13 @@ def _hide(
     )
 
 
+def _visible(effect: TrueEffect, seen: Sensitivity, difference: np.ndarray) -> bool:
+    """Return whether an effect's difference is visible; without a template it has to stand out."""
+    if not seen.visible(difference):
+        return False
+    return effect.catalogued or seen.outstanding(effect.name, difference) >= OUTSTANDING
+
+
 def _size(
     random: np.random.Generator, kind: str, effect: TrueEffect, seen: Sensitivity, probe: Probe
 ) -> float | None:
@@ -249,7 +257,7 @@ def _size(
     if effect.kinds:
         low = max(low, typical)
     # The scale is not straight: a tolerance imitates a small size better than a large one.
-    while low <= high and not seen.visible(probe.effect(effect, sign * low)):
+    while low <= high and not _visible(effect, seen, probe.effect(effect, sign * low)):
         low *= 1.5
     if low > high:
         return None

@@ -33,6 +33,16 @@ BEYOND = 10.0
 TRIFLE = 0.1
 """Share of the typical size below which nobody would name an effect, however well it is seen."""
 
+OUTSTANDING = 1.0
+"""Root mean square over a channel's noise from which what has no name in the catalogue is visible:
+nobody has a template of it."""
+
+CHANNELS = 8
+"""Of a whitened difference: six outputs and two balances."""
+
+SCALED = 10.0
+"""Typical sizes to which the catalogue's effects may be scaled to imitate what is not in it."""
+
 INVISIBLE = 2.0
 """And below which nobody can see it."""
 
@@ -68,6 +78,18 @@ class Sensitivity:
         """Return whether a whitened difference is visible beside the nuisances."""
         left, raw = np.linalg.norm(self._reduced(difference)), np.linalg.norm(difference)
         return bool(left >= (BEYOND if left < 0.05 * raw else VISIBLE))
+
+    def outstanding(self, name: str, difference: np.ndarray) -> float:
+        """Return how far a difference stands above the noise, whatever tolerances and rivals do.
+
+        The root mean square of the channel that shows most of what neither nuisances nor the other
+        effects, each scaled at will, take up; in units of the noise.
+        """
+        rivals = [SCALED * d for n, d in self.effects.items() if n != name]
+        columns = np.column_stack([self.nuisances, *rivals])
+        gram = columns.T @ columns + np.eye(columns.shape[1])
+        left = difference - columns @ np.linalg.solve(gram, columns.T @ difference)
+        return float(np.sqrt(np.mean(left.reshape(CHANNELS, -1) ** 2, axis=1)).max())
 
     def smallest_visible(self, name: str) -> float:
         """Return about the size's magnitude from which an effect is visible: linear in its size."""
