@@ -68,7 +68,7 @@ class Settings:
     """A rival whose likelihood is within so many standard errors of the best is as good."""
     collinear: float = 0.95
     """Rivals are one group from this cosine of their projected sensitivities."""
-    form_uncertainty: float = 0.035
+    form_uncertainty: float = 0.045
     """Relative standard deviation of a parameter because the truth follows another formula."""
     least_unexplained: float = 0.2
     """Share of the refitted error that is reported as unexplained structure."""
