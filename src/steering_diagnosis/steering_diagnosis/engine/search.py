@@ -196,7 +196,7 @@ class Search:
                 base = self.without(final, name)
                 rivals = self.extended(base, self.problem.settings.refitted_next)
                 sound = [f for f in rivals if f.names != final.names and self._sound(f)]
-                first = self._ranked([final, *sound], base)[0]
+                first = self._simplest([final, *sound], base)
                 options += [first] if first is not final else []
             if not options:
                 break
@@ -222,8 +222,8 @@ class Search:
             final = ranked[0]
         return final
 
-    def _ranked(self, fits: Iterable[Fit], base: Fit) -> list[Fit]:
-        """Return models by misfit, but first the simplest of those that gain as much as the best.
+    def _simplest(self, fits: Iterable[Fit], base: Fit) -> Fit:
+        """Return the simplest of the models that gain as much as the best.
 
         A difference that is too small for a further cause is the formula's: with a Stribeck speed
         beyond all motion a Stribeck curve is a level, and a little more. base: without the cause.
@@ -231,8 +231,7 @@ class Search:
         ranked = sorted(fits, key=misfit)
         slack = self.problem.settings.least_next * max(base.misfit - ranked[0].misfit, 0.0)
         equal = [f for f in ranked if f.misfit <= ranked[0].misfit + slack]
-        first = min(equal, key=lambda f: sum(len(v) for v in f.values.values()))
-        return [first, *(f for f in ranked if f is not first)]
+        return min(equal, key=lambda f: sum(len(v) for v in f.values.values()))
 
     def _passed(self, beam: list[Fit], most: int, close: float) -> dict[frozenset[str], Fit]:
         """Return the extensions of the beam's models whose added cause is real."""

@@ -24,10 +24,10 @@ LEAST = 0.2
 BEYOND = 1.5
 """A cause has to gain so much more than clean records do."""
 
-
 TOLD = 0.05
 """Smaller gains are not kept."""
 REFITTED = 8
+"""Hypotheses of a clean record that are refitted."""
 
 Gains = Mapping[str, float]
 
