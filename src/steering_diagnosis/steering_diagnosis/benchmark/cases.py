@@ -28,6 +28,7 @@ from steering_diagnosis.benchmark.truth.effects import (
     signs,
 )
 from steering_diagnosis.benchmark.truth.run import Signals, run_closed_loop
+from steering_diagnosis.benchmark.truth.singing import sings
 from steering_diagnosis.benchmark.truth.specimen import Specimen, draw_specimen
 from steering_diagnosis.benchmark.visibility import (
     INVISIBLE,
@@ -131,6 +132,8 @@ def draw_case(
                 second = draw_course(random, seconds, "large", course.load)
             kept = _record(random, made, nominal, second, system) if second is not None else None
         except BenchError:
+            continue
+        if sings(signals) or (kept is not None and sings(kept)):
             continue
         return Drawn(sealed, nominal, signals, made, kept, "" if second is None else second.load)
     raise BenchError(f"no record of seed {seed} shows {', '.join(wanted)}: take another seed")

@@ -352,7 +352,7 @@ LISTED = (
     TrueEffect(
         "pressure_sensor_lag",
         "two equal lags",
-        aged((s.LEFT_OUT, s.RIGHT_OUT, s.SUPPLY_OUT), 2),
+        aged((s.LEFT_OUT, s.RIGHT_OUT), 2),
         5e-3,
         3e-2,
         _same("time_constant"),
