@@ -1,4 +1,4 @@
-"""The wheel's motion from two sensors: fast motion from the speed, unless the two disagree."""
+"""Inputs of the replay: fast motion from the speed unless the two disagree, and no vacuum."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import pytest
 from steering_core.parameters import load_parameters
 from steering_diagnosis.data.record import Record
 from steering_diagnosis.steering.drive import RUN_UP, Drive
+from steering_plant.model import states
 
 TIME = np.arange(12_000) * 1e-3
 PHASE = 2.0 * np.pi * (0.3 + 0.14 * TIME) * TIME
@@ -51,3 +52,22 @@ def test_where_the_two_disagree_the_position_stays(what):
     error, fused = errors(DISAGREEING[what])
     assert not fused
     assert np.std(error[500:-500]) < 2.0 * ANGLE_NOISE
+
+
+def test_a_chamber_that_is_sucked_empty_is_followed_no_further_than_a_vacuum():
+    nominal = load_parameters()
+    pressure = 1e6 * np.cos(2.0 * np.pi * 0.2 * TIME)
+    channels = {
+        "steering_wheel_angle": ANGLE,
+        "rack_force": np.zeros(len(TIME)),
+        "left_pressure": pressure,
+        "right_pressure": np.full(len(TIME), 1e6),
+    }
+    driven = Drive(Record("closed_centre", channels, nominal)).driven(nominal)
+    (left,) = np.flatnonzero(driven.at == states.LEFT)
+    given, slope = driven.given[RUN_UP:, left], driven.slopes[RUN_UP:, left]
+    empty = pressure < -nominal["oil.atmospheric_pressure"]
+    assert given.min() > -nominal["oil.atmospheric_pressure"]
+    assert np.ptp(given[empty]) == 0.0
+    assert np.abs(slope[empty][1:-1]).max() == 0.0
+    assert np.allclose(given[pressure > 0.0], pressure[pressure > 0.0], atol=1e3)

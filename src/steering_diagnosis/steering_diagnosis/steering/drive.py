@@ -26,10 +26,14 @@ from steering_diagnosis.steering.smoothing import (
     low_pass,
     spectrum,
 )
+from steering_diagnosis.steering.standstill import calmed, standstills
 from steering_plant.model import states
 
 RUN_UP = 200
 """Ticks before the record in which hidden states settle."""
+
+VAPOUR = 0.95
+"""Pressure of a chamber that is sucked empty, over a vacuum's; gauge pressures."""
 
 BEYOND_HZ = 3.0
 """Lowest cut-off for what a load cell measures beyond the load's command."""
@@ -149,7 +153,10 @@ class Drive:
         if cutoff_hz is None:
             self._use_speed("steering_wheel_angle", "steering_wheel_speed")
             self._use_speed("rack_position", "rack_speed")
+            self._stand_still("steering_wheel_angle", "rack_position")
         self.command = self._load_command()
+        if cutoff_hz is None:
+            self._stand_still("rack_force")
         self._held = self._commands()
 
     def felt(self, channel: str, parameters: ParameterSet, order: int = 0) -> np.ndarray:
@@ -194,6 +201,8 @@ class Drive:
         for channel, state in (self.inputs() if inputs is None else inputs).items():
             orders = (0, 1) if state in (states.ANGLE, states.POSITION) else (0,)
             curves = [self.felt(channel, parameters, order) for order in range(len(orders) + 1)]
+            if state in (states.LEFT, states.RIGHT):
+                curves = _above_vacuum(curves, parameters["oil.atmospheric_pressure"])
             for order in orders:
                 at.append(state + order)
                 given.append(curves[order])
@@ -242,6 +251,16 @@ class Drive:
         if is_noise(fast, motion, own.spectrum.noise):
             self.curves[position] = own.replaced(moved + slow)
 
+    def _stand_still(self, *channels: str) -> None:
+        """Take noise out of channels where wheel and rack stand still."""
+        moving = [n for n in ("steering_wheel_angle", "rack_position") if n in self.curves]
+        where = standstills(self.curves[n].values[RUN_UP:] for n in moving)
+        for name in channels:
+            curve = self.curves.get(name)
+            if curve is not None and curve.smoothed:
+                calm = calmed(curve.values[RUN_UP:], where, curve.spectrum.noise)
+                self.curves[name] = curve.replaced(calm, curve.low_passed)
+
     def _load_command(self) -> LoadCommand | None:
         """Return the load's command where it is known, and how it jumps at the ticks."""
         self._jump = np.zeros(RUN_UP + len(self.record))
@@ -281,6 +300,15 @@ class Drive:
             for column, name in zip(columns, LOAD_COMMAND, strict=True):
                 held[:, column] = _led_in(bridged(record[name]))
         return held
+
+
+def _above_vacuum(curves: list[np.ndarray], atmosphere: float) -> list[np.ndarray]:
+    """Return a pressure and its rate with no less than a chamber has that is sucked empty."""
+    least = -VAPOUR * atmosphere
+    if curves[0].min() > least:
+        return curves
+    pressure = np.maximum(curves[0], least)
+    return [pressure, np.gradient(pressure, PERIOD_S)]
 
 
 def _led_in(values: np.ndarray) -> np.ndarray:

@@ -125,10 +125,13 @@ class Curve:
         self._spline = CubicSpline(self._time, self.values)
         self._plain: dict[int, np.ndarray] = {}
 
-    def replaced(self, values: np.ndarray) -> Curve:
-        """Return a curve with other ``values`` (n,), smooth already, for the same sensor."""
+    def replaced(self, values: np.ndarray, low_passed: bool = False) -> Curve:
+        """Return a curve with other ``values`` (n,), smooth already, for the same sensor.
+
+        low_passed: whether they are still what the low-pass leaves of the channel, with less noise.
+        """
         other = copy(self)
-        other.low_passed = False
+        other.low_passed = low_passed
         other._set(values)
         return other
 
