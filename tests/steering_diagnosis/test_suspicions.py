@@ -93,6 +93,17 @@ def test_a_clipped_channel_is_named_and_its_samples_are_not_judged(record):
     assert np.abs(clipped["torsion_bar_torque"][excluded]).min() == pytest.approx(limit)
 
 
+def test_a_gear_that_oscillates_by_itself_is_told(record):
+    time = np.arange(len(record)) * 1e-3
+    size = 0.7 * np.std(record["rack_speed"])
+    singing = changed(
+        record, rack_speed=record["rack_speed"] + size * np.sin(2.0 * np.pi * 74.0 * time)
+    )
+    (found,) = suspicions(singing)
+    assert "oscillates by itself at 74 Hz" in found.text
+    assert found.channels == ()
+
+
 def test_a_record_whose_wheel_has_the_wrong_sign_is_not_judged(record):
     wrong = changed(record, steering_wheel_angle=-record["steering_wheel_angle"])
     report = diagnose_record(wrong).report

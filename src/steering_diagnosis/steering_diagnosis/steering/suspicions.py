@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import signal
 
 from steering_core.parameters import ParameterSet
 from steering_diagnosis.data.channels import MEASURED
@@ -36,6 +37,12 @@ ALIKE = 0.85
 CONSTANT_IS_FINE = ("supply_pressure",)
 CLIPPED_RUN = 12
 """Equal samples in a row at a channel's extreme that a moving, noisy signal does not show."""
+
+SEGMENT = 1000
+FASTEST_HZ, LINE_HZ = 30.0, 3.0
+"""No manoeuvre moves a rack faster; half the width of a line."""
+SINGING = 0.1
+"""Share of the rack speed's energy in one line above it, from which a gear sings."""
 
 Signals = Mapping[str, np.ndarray]
 
@@ -127,7 +134,7 @@ def suspicions(record: Record) -> list[Suspicion]:
     if swapped is not None:
         found.append(swapped)
         signals = {n: values for n, values in signals.items() if n not in swapped.channels}
-    return found + _wrong_factors(record, signals) + _clipped(record)
+    return found + _wrong_factors(record, signals) + _clipped(record) + _singing(record, dead)
 
 
 def without(record: Record, found: list[Suspicion]) -> Record:
@@ -260,6 +267,27 @@ def _clipped(record: Record) -> list[Suspicion]:
                     )
                 )
     return found
+
+
+def _singing(record: Record, dead: set[str]) -> list[Suspicion]:
+    """Find a gear that oscillates by itself: one line holds much of what its rack does."""
+    if "rack_speed" not in record or "rack_speed" in dead:
+        return []
+    speed = bridged(record["rack_speed"])
+    hz, power = signal.welch(speed, 1.0 / PERIOD_S, nperseg=min(SEGMENT, len(speed)))
+    above = hz > FASTEST_HZ
+    k = int(np.argmax(np.where(above, power, 0.0)))
+    line = power[(np.abs(hz - hz[k]) <= LINE_HZ) & above].sum() / max(power.sum(), 1e-300)
+    if line < SINGING:
+        return []
+    return [
+        Suspicion(
+            f"the gear oscillates by itself at {hz[k]:.0f} Hz: {line:.0%} of the rack speed's energy "
+            "is there. No replay follows such an oscillation in phase; record a manoeuvre in which "
+            "it is silent",
+            (),
+        )
+    ]
 
 
 def _clipping(values: np.ndarray) -> np.ndarray:
