@@ -21,6 +21,8 @@ def found(residual):
         np.array([0.02]),
         8,
         1.0,
+        np.zeros((SAMPLES, 1)),
+        np.zeros(1),
     )
     return structures(remains)
 

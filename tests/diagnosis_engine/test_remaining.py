@@ -15,7 +15,7 @@ NOISE = 0.01
 EXPLAINED = np.sin(2.0 * np.pi * 0.8 * TIME)
 
 
-def _left(hz: float, size: float, output: int = 0) -> Left:
+def _left(hz: float, size: float, output: int = 0, kind: str = "predictable") -> Left:
     """Return a record whose causes explain the first of two outputs, and what is left beside."""
     part = size * np.sin(2.0 * np.pi * hz * TIME)
     residual = np.zeros((len(TIME), 2))
@@ -31,8 +31,10 @@ def _left(hz: float, size: float, output: int = 0) -> Left:
         np.full(2, 1e-3),
         8,
         1.0,
+        np.zeros((len(TIME), 2)),
+        np.zeros(2),
     )
-    found = [Structure(output, float(np.mean(part**2)), NOISE, part, "predictable", "")]
+    found = [Structure(output, float(np.mean(part**2)), NOISE, part, kind, "")]
     noise = np.full(2, NOISE)
     return Left("fitted record", remains, found, before, after, noise, explained, STEP_S)
 
@@ -64,6 +66,12 @@ def test_what_spoils_a_cause(
     cause = Hypothesis("cause", "", balance, (), exact=exact)
     found = _left(hz, size, output).spoiling(0.06, [cause])
     assert [r.output for r in found] == spoilt
+
+
+def test_what_nothing_predicts_spoils_only_where_a_cause_explains_most() -> None:
+    cause = Hypothesis("cause", "", "rack", ())
+    assert _left(0.9, 0.3, 0, "loud").spoiling(0.06, [cause])
+    assert not _left(0.9, 0.3, 1, "loud").spoiling(0.06, [cause])
 
 
 def test_loud_structure_is_reported_beside_causes() -> None:

@@ -36,6 +36,9 @@ class Stopped:
     def shaken(self):
         return np.zeros((2000, 1))
 
+    def noise(self):
+        return np.zeros(1)
+
     def states(self):
         return {"position": 0.032 * np.sin(np.linspace(0.0, 20.0, 2000))}
 

@@ -131,6 +131,9 @@ class SledReplay:
     def shaken(self) -> np.ndarray:
         return np.zeros_like(self.measured)
 
+    def noise(self) -> np.ndarray:
+        return np.zeros(self.measured.shape[1])
+
     def states(self) -> Mapping[str, np.ndarray]:
         return {
             "position": self.measured[:, 0],

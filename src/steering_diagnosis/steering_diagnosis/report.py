@@ -68,7 +68,10 @@ class Refitted(Part):
 
 
 class Signal(Part):
-    """Errors of one signal on the fitted record and on the held-out data, root mean square, SI."""
+    """Errors of one signal on the fitted record and on the held-out data, root mean square, SI.
+
+    noise_holdout: with what sensors drift between the two, which no cause takes away.
+    """
 
     unit: str
     noise: float

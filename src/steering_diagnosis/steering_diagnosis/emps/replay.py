@@ -189,6 +189,10 @@ class AxisReplay:
         """Return zeros, (n, 1): an encoder's position has hardly any noise."""
         return np.zeros((len(self.motion.position), 1))
 
+    def noise(self) -> np.ndarray:
+        """Return zero, (1,): nothing is known of the current's noise."""
+        return np.zeros(1)
+
     def states(self) -> Mapping[str, np.ndarray]:
         """Return position, speed and acceleration, (n,)."""
         m = self.motion

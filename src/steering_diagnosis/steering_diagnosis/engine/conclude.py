@@ -14,7 +14,7 @@ from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Regi
 from steering_diagnosis.engine.fit import Fit
 from steering_diagnosis.engine.intervals import intervals
 from steering_diagnosis.engine.noise import mean_square
-from steering_diagnosis.engine.remaining import Left, left_by
+from steering_diagnosis.engine.remaining import Left, drifted, left_by
 from steering_diagnosis.engine.search import Search
 from steering_diagnosis.engine.structure import FreeForm, free_form
 from steering_diagnosis.report import Verdict
@@ -50,7 +50,8 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     best, noise = kept.best, kept.noise
     evidence = {n: search.weigh(search.without(best, n), best) for n in sorted(best.names)}
     rivals = {n: _rivals(search, best, n, block) for n in sorted(best.names)}
-    causes = _causes(search, best, evidence, rivals, block, kept.held_noise)
+    held_noise = kept.held_noise + drifted(search, best)
+    causes = _causes(search, best, evidence, rivals, block, held_noise)
     least = problem.settings.least_unexplained
     regions = [r for left in kept.left for r in left.regions(least)] or list(kept.against)
     if not regions and not causes:
@@ -72,7 +73,7 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         nuisances=call.nuisances,
         effects=call.effects,
         fitted=_rms(search, noise, nominal, null, best, problem.training),
-        held_out=_held_rms(search, kept.held_noise, nominal, null, best),
+        held_out=_held_rms(search, held_noise, nominal, null, best),
         undecidable=undecidable,
         explained=kept.left[0].explained if best.values else 0.0,
         calls=problem.runs.calls,

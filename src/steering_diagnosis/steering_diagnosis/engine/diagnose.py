@@ -77,7 +77,7 @@ def begin(
         valid=valid,
         training=valid & ~out[:, None],
         floor=resolution(base, nuisance, trials, settings),
-        shaken=np.nan_to_num(grid.reduce(fit.shaken())),
+        shaken=runs.shaken,
     )
     held = (
         HeldOut(None, valid, block, valid & out[:, None])

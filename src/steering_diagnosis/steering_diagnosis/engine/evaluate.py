@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -50,6 +51,17 @@ class Evaluator:
         self._executor = executor
         self._on_call = on_call
         self._last: dict[tuple[object, ...], np.ndarray] = {}
+
+    @cached_property
+    def shaken(self) -> np.ndarray:
+        """What another draw of the inputs' noise changes, (n, outputs), unknown samples zero."""
+        return np.nan_to_num(self.grid.reduce(self.replay.shaken()))
+
+    @cached_property
+    def own(self) -> np.ndarray:
+        """Mean squares of the outputs' own noise in the band, zero where unknown, (outputs,)."""
+        band = 2.0 * self.grid.bandwidth_hz * self.grid.period_s
+        return self.replay.noise() ** 2 * min(band, 1.0)
 
     def one(self, call: Call) -> np.ndarray:
         """Return the residual of one call, (n, outputs)."""

@@ -107,6 +107,12 @@ class Replay(Protocol):
         Zeros where inputs have none. No model can explain that.
         """
 
+    def noise(self) -> np.ndarray:
+        """Return the standard deviation of each output's own noise in a sample, white, (outputs,).
+
+        Zero where it has none, or where nothing is known of it.
+        """
+
     def states(self) -> Mapping[str, np.ndarray]:
         """Return the signals that a free-form term may depend on, name [unit] to (n,)."""
 

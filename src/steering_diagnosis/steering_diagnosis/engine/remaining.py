@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import signal
 
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.findings import Region
@@ -19,8 +20,10 @@ REFITS = 3
 """Rounds of nuisances and noise on the second record; the noise is taken for white at first."""
 LOUD = 2.0
 """Structure this much over the noise is reported however small beside what is explained."""
-APART = 2.0
-"""Bands a factor apart are those of different phenomena."""
+AROUND = 1.5
+"""Factor by which a structure's band is taken wider."""
+ACTING = 0.03
+"""Of what is explained in an output: with less of it in a structure's band that is another's."""
 CONCERNED = 0.1
 """Share of all that the causes explain, in units of noise, from which an output concerns them."""
 
@@ -79,8 +82,8 @@ class Left:
         """Return structure where the causes act that is more than another formula would leave.
 
         least: share of what is explained there. Causes have to explain their own balance even if
-        most of what they do is seen elsewhere; those with the only formula there is leave nothing
-        loud. What lies in other frequencies than what is explained is another phenomenon.
+        most of what they do is seen elsewhere, but for what nothing predicts; those with the only
+        formula there is leave nothing loud. Where they do not act is another phenomenon.
         """
         balances = {cause.balance for cause in causes}
         exact = all(cause.exact for cause in causes)
@@ -90,17 +93,22 @@ class Left:
         for s in self.structures:
             share = s.energy / max(explained[s.output], 1e-300)
             main = weight[s.output] > CONCERNED * weight.sum()
-            concerned = main or self.remains.outputs[s.output].balance in balances
+            own = self.remains.outputs[s.output].balance in balances
+            concerned = main or (own and s.kind != "loud")
             large = share > least or (exact and s.energy > LOUD * s.noise)
             if large and concerned and self._in_band(s):
                 found.append(self._region(s, float(min(share, 1.0))))
         return found
 
     def _in_band(self, s: Structure) -> bool:
-        """Return whether structure overlaps with the frequencies of what is explained."""
-        low, high = band(s.part, self.step_s)
-        from_hz, to_hz = band(self.explained_part[:, s.output], self.step_s)
-        return low <= APART * to_hz and from_hz <= APART * high
+        """Return whether some of what is explained has the structure's frequencies.
+
+        A cause whose formula fails there acts there: a mass below a mode, not an offset.
+        """
+        f, power = signal.periodogram(self.explained_part[:, s.output], detrend="constant")
+        low, high = band(s.part, 1.0)
+        inside = (f >= low / AROUND) & (f <= high * AROUND)
+        return bool(power[inside].sum() > ACTING * power.sum())
 
 
 def left_by(search: Search, best: Fit, block: np.ndarray) -> list[Left]:
@@ -126,17 +134,48 @@ def within_tolerance(
 
     What another value within tolerance explains is no structure: one record leaves some open.
     """
+    none = np.eye(len(z))
+
+    def step(gram: np.ndarray, slope: np.ndarray) -> np.ndarray:
+        return bounded(gram + none, slope - z, -FURTHEST - z, FURTHEST - z)
+
+    return _shifted(search, residual, step)
+
+
+def drifted(search: Search, best: Fit) -> np.ndarray:
+    """Return what drift from record to record does to the second one, mean squares (outputs,).
+
+    The part of the best model's error there that nuisances explain which differ by a little of
+    their tolerance: sensors warm up. No cause takes it away.
+    """
+    held = search.held
+    if held.runs is None:
+        return np.zeros(len(search.problem.floor))
+    residual = held.residual(search.problem, best)
+    stiff = np.eye(len(best.z)) / search.problem.settings.drift**2
+    shift, _ = _shifted(search, residual, lambda gram, slope: np.linalg.solve(gram + stiff, slope))
+    after = held.energy(residual + search.held_nuisance @ shift)
+    return np.maximum(held.energy(residual) - after, 0.0)
+
+
+def _shifted(
+    search: Search, residual: np.ndarray, step: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a shift of the nuisances on the second record, (p,), and what it holds about them.
+
+    step: shift by gram matrix (p, p) and slope (p,) of the whitened problem.
+    """
     p, held, columns = search.problem, search.held, search.held_nuisance
     assert held.runs is not None
     order, density = p.settings.noise_order, held.runs.grid.density
     rows = usable(held.valid, order)
     noise = fit_noise(residual, rows, p.floor, order, density).white
-    shift, gram = np.zeros_like(z), np.zeros((len(z), len(z)))
+    shift, gram = np.zeros(columns.shape[-1]), np.zeros((columns.shape[-1],) * 2)
     for _ in range(REFITS):
         white = noise.whiten(np.concatenate([columns, residual[..., None]], axis=-1))
         both = gram_of(white, density * rows)
         gram = both[:-1, :-1]
-        shift = bounded(gram + np.eye(len(z)), -both[:-1, -1] - z, -FURTHEST - z, FURTHEST - z)
+        shift = step(gram, -both[:-1, -1])
         noise = fit_noise(residual + columns @ shift, rows, p.floor, order, density)
     return shift, gram
 
@@ -161,6 +200,8 @@ def _left(
         p.floor,
         p.settings.noise_order,
         runs.grid.density,
+        runs.shaken,
+        runs.own,
     )
     found = structures(remains)
     return Left(

@@ -75,6 +75,9 @@ class Settings:
     least_disagreement: float = 10.0
     """Mean square difference of two records' nominal parameters over what is expected, from which
     they are not one specimen's. Clean records reach 9.5: noise of the inputs biases estimates."""
+    drift: float = 0.1
+    """Standard deviations by which nominal parameters, sensors' offsets above all, may differ from
+    one record to the next."""
     spoiling: float = 0.03
     """Structure in an output over what the causes explain there, in their own frequencies, from
     which they are not the causes: another formula for the same phenomenon leaves less."""

@@ -3,7 +3,8 @@
 Three tests on whitened residuals, so that coloured noise and slow drift are no structure: smooth
 functions of the states that predict blocks which took no part in their fit, errors that several
 outputs share, and energy that comes and goes with the excitation. All ask for significance and
-for a visible size.
+for a visible size. A fourth needs no idea of what the error depends on: it is far louder than the
+noise of sensors and inputs.
 """
 
 from __future__ import annotations
@@ -42,6 +43,11 @@ SCATTER = 2.5
 """Structure is visible from so many resolutions: a twentieth of what the tolerances scatter."""
 SHARED_SCATTER = 15.0
 """An error that outputs share counts from so many resolutions: a third of the scatter."""
+INPUTS_NOISE = 4.0
+"""Energy that the inputs' noise may have in an output over that of another, white draw of it."""
+LOUD = 2.3
+"""Error over known noise, rms, from which it is structure. Clean records reach 1.7: noise is not
+quite white, and sensors drift."""
 SHIFTS = (-2, -1, 0, 1, 2)
 BURSTS = 3.0
 """Mean energy over the quiet quarter's from which energy is not stationary."""
@@ -73,7 +79,11 @@ class FreeForm:
 
 @dataclass(frozen=True, repr=False)
 class Remains:
-    """A residual with what is needed to judge it. residual, valid: (n, outputs); block: (n,)."""
+    """A residual with what is needed to judge it. residual, valid: (n, outputs); block: (n,).
+
+    shaken: what another draw of the inputs' noise does, (n, outputs). own: mean squares of the
+    outputs' own white noise, (outputs,).
+    """
 
     outputs: Sequence[Output]
     residual: np.ndarray
@@ -83,6 +93,8 @@ class Remains:
     floor: np.ndarray
     order: int
     density: float
+    shaken: np.ndarray
+    own: np.ndarray
 
 
 def structures(remains: Remains) -> list[Structure]:
@@ -101,7 +113,10 @@ def structures(remains: Remains) -> list[Structure]:
     for j in range(len(remains.outputs)):
         if usable(remains.valid, remains.order)[:, j].sum() > 20 * remains.order:
             structure = (
-                _predictable(remains, functions, j) or _common(remains, j) or _bursts(remains, j)
+                _predictable(remains, functions, j)
+                or _common(remains, j)
+                or _bursts(remains, j)
+                or _loud(remains, j)
             )
             if structure is not None:
                 found.append(structure)
@@ -181,7 +196,8 @@ def _predictable(
 def _common(remains: Remains, j: int) -> Structure | None:
     """Find an error that several outputs share: sensors' noise is each one's own.
 
-    It has to be large against the tolerances' scatter, because an input's noise is shared as well.
+    It has to be large against the tolerances' scatter and against what the inputs' noise does,
+    because that is shared as well.
     """
     before = _mean_square(remains, remains.residual[:, j], j)
     others = [i for i in range(remains.residual.shape[1]) if i != j]
@@ -190,30 +206,51 @@ def _common(remains: Remains, j: int) -> Structure | None:
     shifted = [np.roll(remains.residual[:, others], k, axis=0) for k in SHIFTS]
     part, sigmas = _cross_validated(remains, np.concatenate(shifted, axis=1), j)
     after = _mean_square(remains, remains.residual[:, j] - part, j)
-    if sigmas < SIGMAS or after > 0.5 * before:
+    shared = INPUTS_NOISE * _mean_square(remains, remains.shaken[:, j], j)
+    if sigmas < SIGMAS or after > 0.5 * before or before - after < shared:
         return None
     return Structure(j, before - after, after, part, "common", "")
 
 
 def _bursts(remains: Remains, j: int) -> Structure | None:
-    """Find energy that comes and goes with the excitation, as a mode that pulses excite."""
+    """Find energy that comes and goes with the excitation, as a mode that pulses excite.
+
+    More of it than the inputs' noise makes come and go, which a moving gear hands on.
+    """
     rows = usable(remains.valid, remains.order)[:, j]
     noise = _noise(remains, remains.residual[:, j], j)
-    white = noise.whiten(remains.residual[:, [j]])[:, 0]
+    both = noise.whiten(np.stack([remains.residual[:, [j]], remains.shaken[:, [j]]], axis=-1))[:, 0]
     count = np.bincount(remains.block, rows)
     kept = count > 10
-    energy = np.bincount(remains.block, np.where(rows, white**2, 0.0))[kept] / count[kept]
+    energy, handed_on = (
+        np.bincount(remains.block, np.where(rows, white**2, 0.0))[kept] / count[kept]
+        for white in both.T
+    )
+    handed_on = INPUTS_NOISE * handed_on
     excitation = _excitation(remains)[kept]
-    quiet = float(np.quantile(energy, 0.25))
-    rank = stats.spearmanr(energy, excitation) if excitation.std() > 0.0 else None
+    quiet = max(float(np.quantile(energy - handed_on, 0.25)), 0.0)
+    expected = quiet + float(handed_on.mean())
+    rank = stats.spearmanr(energy - handed_on, excitation) if excitation.std() > 0.0 else None
     follows = rank is not None and rank.statistic > 0.0 and rank.pvalue < 1e-3
-    if not follows or energy.mean() < BURSTS * quiet:
+    if not follows or energy.mean() < BURSTS * expected:
         return None
     total = _mean_square(remains, remains.residual[:, j], j)
-    share = 1.0 - quiet / float(energy.mean())
+    share = 1.0 - expected / float(energy.mean())
     if share * total < _least(remains, (1.0 - share) * total, j):
         return None
     return Structure(j, share * total, (1.0 - share) * total, remains.residual[:, j], "bursts", "")
+
+
+def _loud(remains: Remains, j: int) -> Structure | None:
+    """Find an error far above all noise that is known, whatever it may depend on."""
+    own, handed_on = remains.own[j], _mean_square(remains, remains.shaken[:, j], j)
+    if own + handed_on == 0.0:
+        return None
+    noise = own + INPUTS_NOISE * handed_on + (SCATTER * remains.floor[j]) ** 2
+    total = _mean_square(remains, remains.residual[:, j], j)
+    if total < LOUD**2 * noise:
+        return None
+    return Structure(j, total - noise, noise, remains.residual[:, j], "loud", "")
 
 
 def _least(remains: Remains, noise: float, j: int) -> float:

@@ -162,6 +162,15 @@ class SteeringReplay:
         changed[~self.judged] = np.nan
         return changed
 
+    def noise(self) -> np.ndarray:
+        """Return the white noise of each output's channel, standard deviation, (outputs,)."""
+        return np.array(
+            [
+                spectrum(bridged(self.record[o.name])).noise if o.name in self.record else 0.0
+                for o in self.outputs
+            ]
+        )
+
     def states(self) -> Mapping[str, np.ndarray]:
         """Return what a free-form term may depend on, name [unit] to (n,), nominal model."""
         trace = self.run({}, {}).trace
