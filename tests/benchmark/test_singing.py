@@ -13,7 +13,7 @@ TIME = np.arange(15_000) * 1e-3
 def run(speed):
     true = np.zeros((len(TIME), s.CHANNELS))
     true[:, s.RACK_SPEED_OUT] = speed
-    return Signals(*[true] * 7)
+    return Signals(true, true, true, true, true, true, true)
 
 
 @pytest.mark.parametrize(("share", "expected"), [(0.0, False), (0.03, False), (0.3, True)])

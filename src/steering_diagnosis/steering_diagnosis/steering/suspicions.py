@@ -282,9 +282,9 @@ def _singing(record: Record, dead: set[str]) -> list[Suspicion]:
         return []
     return [
         Suspicion(
-            f"the gear oscillates by itself at {hz[k]:.0f} Hz: {line:.0%} of the rack speed's energy "
-            "is there. No replay follows such an oscillation in phase; record a manoeuvre in which "
-            "it is silent",
+            f"the gear oscillates by itself at {hz[k]:.0f} Hz: {line:.0%} of the rack speed's "
+            "energy is there. No replay follows such an oscillation in phase; record a manoeuvre "
+            "in which it is silent",
             (),
         )
     ]
