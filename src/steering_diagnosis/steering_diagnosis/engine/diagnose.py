@@ -14,7 +14,7 @@ from steering_diagnosis.engine.evidence import HeldOut
 from steering_diagnosis.engine.findings import Findings
 from steering_diagnosis.engine.fit import Problem, nominal
 from steering_diagnosis.engine.model import Replay
-from steering_diagnosis.engine.sampling import blocks, held_out, sampling
+from steering_diagnosis.engine.sampling import blocks, held_out, moments, sampling
 from steering_diagnosis.engine.search import Search
 from steering_diagnosis.engine.settings import Settings
 from steering_diagnosis.engine.templates import Template, nuisance_columns, templates
@@ -80,7 +80,7 @@ def begin(
         shaken=runs.shaken,
     )
     held = (
-        HeldOut(None, valid, block, valid & out[:, None])
+        HeldOut(None, valid, block, valid & out[:, None], moments(len(base), grid.step_s, settings))
         if holdout is None
         else _second_record(holdout, settings, executor)
     )
@@ -111,7 +111,9 @@ def _second_record(replay: Replay, settings: Settings, executor: Executor | None
     grid = sampling(_length(replay), replay.period_s, settings)
     runs = Evaluator(replay, grid, executor)
     valid = np.isfinite(runs.one(Call()))
-    return HeldOut(runs, valid, blocks(len(valid), grid.step_s, settings), valid)
+    n = len(valid)
+    block, moment = blocks(n, grid.step_s, settings), moments(n, grid.step_s, settings)
+    return HeldOut(runs, valid, block, valid, moment)
 
 
 def _length(replay: Replay) -> int:

@@ -25,12 +25,14 @@ class HeldOut:
     """Samples that took no part in the fit: blocks of the record, or another record.
 
     runs: None where the blocks are the fitted record's own. valid, rows: (n, outputs); block: (n,).
+    moment: number of the short time that a sample belongs to, (n,), see ``Settings.moment_s``.
     """
 
     runs: Evaluator | None
     valid: np.ndarray
     block: np.ndarray
     rows: np.ndarray
+    moment: np.ndarray
 
     def residual(self, problem: Problem, fit: Fit) -> np.ndarray:
         """Return the residual of a fit on the held-out record, unknown samples zero."""
@@ -42,7 +44,7 @@ class HeldOut:
     def gain(
         self, problem: Problem, old: Noise, new: Noise, before: np.ndarray, after: np.ndarray
     ) -> np.ndarray:
-        """Return the gain in twice the predictive log-likelihood of each block, (blocks,).
+        """Return the gain in twice the predictive log-likelihood of each moment, (moments,).
 
         Another record has noise of its own, that of what the better model leaves there.
         """
@@ -53,11 +55,11 @@ class HeldOut:
         return self.scores(old, before) - self.scores(new, after)
 
     def scores(self, noise: Noise, residual: np.ndarray) -> np.ndarray:
-        """Return minus twice the predictive log-likelihood of each block, (blocks,)."""
+        """Return minus twice the predictive log-likelihood of each moment, (moments,)."""
         rows = usable(self.valid, noise.order) & self.rows
         white = noise.whiten(residual)
         each = np.where(rows, white**2 + np.log(noise.sd**2), 0.0).sum(axis=1)
-        return np.bincount(self.block, each)[np.bincount(self.block, rows.any(axis=1)) > 0]
+        return np.bincount(self.moment, each)[np.bincount(self.moment, rows.any(axis=1)) > 0]
 
     def energy(self, residual: np.ndarray) -> np.ndarray:
         """Return the mean square of each output on the held-out samples, (outputs,)."""
@@ -72,12 +74,14 @@ ALIKE = 0.9
 class Evidence:
     """What speaks for a cause.
 
-    ratio: twice the log-likelihood ratio. p_value: family-wise. delta_bic: negative speaks for it.
-    sigmas: held-out gain over its standard error. share: of the error energy above the noise that
-    the present model leaves; material: the same of the best single output. why_not: empty if real.
+    ratio: twice the log-likelihood ratio. gains: the same of each output, (outputs,). p_value:
+    family-wise. delta_bic: negative speaks for it. sigmas: held-out gain over its standard error.
+    share: of the error energy above the noise that the present model leaves; material: the same of
+    the best single output. why_not: empty if real.
     """
 
     ratio: float
+    gains: np.ndarray
     p_value: float
     delta_bic: float
     sigmas: float
@@ -136,7 +140,13 @@ def weigh(
         (at_bound(problem, full, cause), "its estimate runs to the end of its bounds"),
     ]
     why = next((text for failed, text in reasons if failed), "")
-    return Evidence(ratio, p, float(bic), sigmas, share, material, why)
+    gains = energies(problem, full.noise, without) - energies(problem, full.noise, full)
+    return Evidence(ratio, gains, p, float(bic), sigmas, share, material, why)
+
+
+def energies(problem: Problem, noise: Noise, fit: Fit) -> np.ndarray:
+    """Return the energy of each output's residual in units of a noise, (outputs,)."""
+    return np.sum((noise.whiten(fit.residual) * problem.weights()) ** 2, axis=0)
 
 
 def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
@@ -186,9 +196,10 @@ def _tolerated(problem: Problem, full: Fit, cause: str, k: int) -> float:
 
 
 def certainty(gain: np.ndarray) -> float:
-    """Return the mean gain of blocks over its standard error, (blocks,).
+    """Return the mean gain of blocks or moments over its standard error, (blocks,).
 
-    Of signed square roots: few blocks with much excitation may hold most of the gain.
+    Of signed square roots: few with much excitation may hold most of the gain. Where k of them hold
+    it all, it is the root of k.
     """
     root = np.sign(gain) * np.sqrt(np.abs(gain))
     if gain.sum() <= 0.0:

@@ -27,7 +27,7 @@ STEP_Z = 0.5
 """Step of the nuisances' differences, in standard deviations."""
 MOVED, TRADES, RENEWED = 1.5, 0.4, 4
 """Nuisances whose columns are renewed: moved so far, or correlated so much; at most so many."""
-WHITE_STEPS = 4
+WHITE_STEPS = 6
 """Steps under white noise at most."""
 SMALL = 0.5
 """Gain in twice the log-likelihood at which the iteration ends."""

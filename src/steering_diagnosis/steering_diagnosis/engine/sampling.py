@@ -68,6 +68,11 @@ def blocks(samples: int, step_s: float, settings: Settings) -> np.ndarray:
     return np.arange(samples) * count // samples
 
 
+def moments(samples: int, step_s: float, settings: Settings) -> np.ndarray:
+    """Return the number of the short time that each decimated sample belongs to, (n,)."""
+    return (np.arange(samples) * step_s / settings.moment_s).astype(int)
+
+
 def held_out(block: np.ndarray, every: int) -> np.ndarray:
     """Return which samples are held out: every such block, spread over the record."""
     return block % every == every // 2

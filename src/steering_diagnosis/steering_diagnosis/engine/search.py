@@ -25,6 +25,8 @@ POLISHED, FINISHED = 4, 0.2
 """Thorough refits of a model at most; and the gain, in critical ratios, after which it is done."""
 KEPT = 0.8
 """Share of a linear gain that a refit has to reach, else it is begun elsewhere as well."""
+OWN = 0.5
+"""Share of its gain that a cause has to have in outputs in which no other gains far more."""
 PAIRS = 3
 VERDICTS = 3
 """Rounds in the noise that the verdict leaves, at most."""
@@ -168,10 +170,12 @@ class Search:
     def _fit_beyond(self, now: Fit, start: Score) -> Fit:
         """Fit one more cause from its linear estimate, or from none of it where that leads away."""
         names = now.names | {start.hypothesis}
-        promised = now.misfit - KEPT * start.gain
+        h = self.problem.book.hypotheses[start.hypothesis]
+        # What has shapes only, a stop or a gap, is far from linear: coloured noise stops it early.
+        bent = all(p.shape for p in h.parameters)
+        promised = -np.inf if bent else now.misfit - KEPT * start.gain
         found = self.fit(names, start.z, start.values, promised)
         if found.misfit > now.misfit - self.critical:
-            h = self.problem.book.hypotheses[start.hypothesis]
             shapes = zip(h.parameters, start.values[h.name], strict=True)
             none = np.array([v if p.shape else p.neutral for p, v in shapes])
             if not np.array_equal(none, start.values[h.name]):
@@ -277,7 +281,13 @@ class Search:
         """Backward elimination: drop the weakest cause that is not real."""
         found = {n: self.weigh(self.without(full, n), full) for n in sorted(full.names)}
         # Another formula than ours leaves a little of a large cause, which some other one fits.
-        inexact = [e.ratio for n, e in found.items() if not self._exact(n)]
-        least = self.problem.settings.least_next * max(inexact, default=0.0)
-        weak = [(e.ratio, n) for n, e in found.items() if e.why_not or e.ratio < least]
+        inexact = [e.gains for n, e in found.items() if not self._exact(n)]
+        least = self.problem.settings.least_next * np.max([0.0 * self.floor, *inexact], axis=0)
+        weak = [(e.ratio, n) for n, e in found.items() if e.why_not or leftover(e, least)]
         return self.without(full, min(weak)[1]) if weak else None
+
+
+def leftover(cause: Evidence, least: np.ndarray) -> bool:
+    """Return whether a cause gains most where others gain far more. least: by output."""
+    gained = np.maximum(cause.gains, 0.0)
+    return bool(gained[gained > least].sum() < OWN * gained.sum())

@@ -12,6 +12,7 @@ class Settings:
 
     bandwidth_hz: of the common zero-phase low-pass. most_samples: of the decimated grid.
     block_s: shortest block of the hold-out and of the block statistics. blocks: how many at most.
+    moment_s: of the statistics of the held-out gain: a cause may act in a few of them alone.
     held_out_every: without a second record every such block is held out.
     noise_order: of the autoregressive noise model. resolution: share of what the tolerances scatter
     below which an error is never judged.
@@ -21,6 +22,7 @@ class Settings:
     most_samples: int = 12_000
     block_s: float = 0.5
     blocks: int = 32
+    moment_s: float = 0.1
     held_out_every: int = 4
     noise_order: int = 8
     resolution: float = 0.02
