@@ -5,9 +5,11 @@ import pytest
 
 from steering_core.parameters import load_parameters
 from steering_diagnosis.benchmark.bags import record_of
+from steering_diagnosis.benchmark.truth.changes import BOTH
 from steering_diagnosis.benchmark.truth.course import draw_course
 from steering_diagnosis.benchmark.truth.disturbance import WHITE
-from steering_diagnosis.benchmark.truth.effects import BOTH, LISTED, changed
+from steering_diagnosis.benchmark.truth.effects import changed
+from steering_diagnosis.benchmark.truth.listed import LISTED
 from steering_diagnosis.benchmark.truth.run import run_closed_loop
 from steering_diagnosis.benchmark.truth.specimen import nominal_specimen
 from steering_diagnosis.data.channels import MEASURED

@@ -14,7 +14,8 @@ from steering_diagnosis.benchmark.cases import Sealed, draw_case, read_sealed
 from steering_diagnosis.benchmark.methods import load_function
 from steering_diagnosis.benchmark.runner import Job, plan, solve
 from steering_diagnosis.benchmark.scoring import confusion, judge, rates
-from steering_diagnosis.benchmark.truth.effects import LISTED, OUTSIDE
+from steering_diagnosis.benchmark.truth.listed import LISTED
+from steering_diagnosis.benchmark.truth.outside import OUTSIDE
 from steering_diagnosis.data.bag import record_from_bag
 from steering_plant.effects import EFFECTS
 

@@ -14,19 +14,18 @@ import numpy as np
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
 from steering_core.parameters import ParameterSet, load_parameters
+from steering_diagnosis.benchmark.truth.changes import BOTH, TrueEffect
 from steering_diagnosis.benchmark.truth.course import Course, draw_course
 from steering_diagnosis.benchmark.truth.disturbance import RESOLUTION, disturbance
 from steering_diagnosis.benchmark.truth.effects import (
-    BOTH,
-    LEAST,
-    OUTSIDE,
     TRUE_EFFECTS,
-    TrueEffect,
     changed,
     equivalents,
     neutral,
     signs,
 )
+from steering_diagnosis.benchmark.truth.listed import LEAST
+from steering_diagnosis.benchmark.truth.outside import OUTSIDE
 from steering_diagnosis.benchmark.truth.run import Signals, run_closed_loop
 from steering_diagnosis.benchmark.truth.singing import sings
 from steering_diagnosis.benchmark.truth.specimen import Specimen, draw_specimen

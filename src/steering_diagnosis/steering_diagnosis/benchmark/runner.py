@@ -16,7 +16,8 @@ from steering_diagnosis.benchmark.bags import write_case
 from steering_diagnosis.benchmark.cases import KINDS, draw_case, read_sealed
 from steering_diagnosis.benchmark.methods import call, load_function
 from steering_diagnosis.benchmark.scoring import Judgement, failed, judge
-from steering_diagnosis.benchmark.truth.effects import LISTED, OUTSIDE
+from steering_diagnosis.benchmark.truth.listed import LISTED
+from steering_diagnosis.benchmark.truth.outside import OUTSIDE
 
 SHARES: Mapping[str, float] = {
     "visible": 0.5,

@@ -17,9 +17,11 @@ import numpy as np
 from steering_core.errors import BenchError
 from steering_core.parameters import ParameterSet
 from steering_diagnosis.benchmark.truth import states as s
+from steering_diagnosis.benchmark.truth.changes import TrueEffect
 from steering_diagnosis.benchmark.truth.course import Course
 from steering_diagnosis.benchmark.truth.disturbance import COLOURED, WHITE
-from steering_diagnosis.benchmark.truth.effects import LISTED, TrueEffect, changed
+from steering_diagnosis.benchmark.truth.effects import changed
+from steering_diagnosis.benchmark.truth.listed import LISTED
 from steering_diagnosis.benchmark.truth.run import Signals, run_clamped
 from steering_diagnosis.benchmark.truth.specimen import GROUPS, RATES, SENSOR_OF, Specimen
 from steering_diagnosis.data.channels import MEASURED
