@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from steering_diagnosis.engine.structure import FreeForm
 from steering_diagnosis.pages import diagnosis_page
+from steering_diagnosis.pages.shown import probability
 from steering_diagnosis.report import (
     BalanceError,
     Cause,
@@ -116,3 +117,8 @@ def test_the_report_reads_back_and_refuses_what_is_unknown_or_infinite():
         Estimate(value=float("nan"), low=0.0, high=1.0, unit="1")
     with pytest.raises(ValidationError):
         report(causes=[{**made.causes[0].model_dump(), "ambiguous_with": ["a", "b", "c"]}])
+
+
+@pytest.mark.parametrize(("p", "text"), [(0.0, "below 1e-300"), (3.2e-5, "3.2e-05")])
+def test_a_certain_cause_has_no_probability_of_zero(p, text):
+    assert probability(p) == text

@@ -45,3 +45,8 @@ def words(name: str) -> str:
 def percent(share: float) -> str:
     """Return a share as a percentage."""
     return f"{100.0 * share:.0f} %"
+
+
+def probability(p: float) -> str:
+    """Return a p-value; below what a float holds it is no zero."""
+    return f"{p:.2g}" if p > 0.0 else "below 1e-300"

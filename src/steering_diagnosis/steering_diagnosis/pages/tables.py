@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from steering_bringup.pages import folded, table
-from steering_diagnosis.pages.shown import number, percent, quantity, unit, words
+from steering_diagnosis.pages.shown import number, percent, probability, quantity, unit, words
 from steering_diagnosis.report import Diagnosis, Report, Signal
 
 
@@ -18,7 +18,7 @@ def causes_table(report: Report) -> str:
             words(name),
             quantity(estimate.value, estimate.unit),
             f"{number(estimate.low, estimate.unit)} to {quantity(estimate.high, estimate.unit)}",
-            f"{cause.p_value:.2g}",
+            probability(cause.p_value),
             f"{cause.delta_bic:.0f}",
         )
         for cause in report.causes
