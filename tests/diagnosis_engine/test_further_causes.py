@@ -8,12 +8,13 @@ from steering_diagnosis.engine.sampling import moments
 from steering_diagnosis.engine.search import leftover
 from steering_diagnosis.engine.settings import Settings
 
-FIRST = np.array([2e6, 1e4, 0.0])
-"""Gain of a large cause in three outputs."""
-
 
 def gaining(*gains):
     return Evidence(sum(gains), np.array(gains), 0.0, -100.0, 5.0, 1.0, 1.0, "")
+
+
+FIRST = gaining(2e6, 1e4, 0.0)
+"""A large cause, by its gain in three outputs."""
 
 
 @pytest.mark.parametrize(
@@ -22,13 +23,14 @@ def gaining(*gains):
         ((1.2e4, 0.0, 0.0), True),
         ((3e4, 0.0, 0.0), False),
         ((0.0, 0.0, 1.2e4), False),
-        ((5e3, 1e4, -30.0), False),
-        ((1.2e4, 500.0, 0.0), True),
+        ((3e3, 0.0, 7e3), False),
+        ((3e3, 6e3, 500.0), True),
     ],
-    ids=["a leftover", "more than that", "in an output of its own", "mostly elsewhere", "hardly"],
+    ids=["a leftover", "large enough", "in an output of its own", "mostly there", "elsewhere too"],
 )
 def test_a_leftover_gains_where_another_cause_gains_far_more(gains, expected):
-    assert leftover(gaining(*gains), Settings().least_next * FIRST) is expected
+    assert leftover(gaining(*gains), [FIRST], Settings().least_next) is expected
+    assert not leftover(gaining(*gains), [], Settings().least_next)
 
 
 def test_a_gain_in_a_few_moments_is_certain_and_one_spike_is_not():

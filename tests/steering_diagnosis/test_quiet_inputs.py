@@ -6,6 +6,7 @@ import pytest
 from steering_core.parameters import load_parameters
 from steering_diagnosis.data.record import Record
 from steering_diagnosis.steering.drive import RUN_UP, Drive
+from steering_diagnosis.steering.smoothing import low_pass
 from steering_plant.model import states
 
 TIME = np.arange(12_000) * 1e-3
@@ -42,6 +43,23 @@ def test_fast_motion_comes_from_the_quieter_speed():
     assert not nothing
     assert np.std(together[500:-500]) < 0.7 * np.std(alone[500:-500])
     assert acceleration(together) < 0.3 * acceleration(alone)
+
+
+def test_a_driver_who_moves_with_the_noise_he_feels_does_not_part_the_two():
+    random = np.random.default_rng(7)
+    noise = ANGLE_NOISE * random.standard_normal(len(TIME))
+    # What he answers: a tenth of the noise between 3 and 10 Hz, and nothing else in that band.
+    answer = 0.3 * (low_pass(noise, 10.0) - low_pass(noise, 3.0))
+    angle = 0.05 * np.sin(2.0 * np.pi * 0.2 * TIME) + answer
+    channels = {
+        "steering_wheel_angle": angle + noise,
+        "steering_wheel_speed": np.gradient(angle, 1e-3) + 3e-3 * random.standard_normal(12_000),
+        "rack_force": np.zeros(len(TIME)),
+        "left_pressure": np.full(len(TIME), 1e6),
+        "right_pressure": np.full(len(TIME), 1e6),
+    }
+    curve = Drive(Record("open_centre", channels, load_parameters())).curves["steering_wheel_angle"]
+    assert not curve.low_passed
 
 
 DISAGREEING = {"gain": 1.02 * SPEED, "delay": np.roll(SPEED, 8), "dead": 0.0 * SPEED}

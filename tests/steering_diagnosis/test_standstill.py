@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from steering_diagnosis.steering.standstill import BLEND, SHORTEST_S, calmed, standstills
+from steering_diagnosis.steering.standstill import BLEND, SHORTEST_S, calmed, restful, standstills
 
 TICKS = 6000
 TIME = np.arange(TICKS) * 1e-3
@@ -52,3 +52,11 @@ def test_what_shakes_more_than_noise_stays(hz):
     shaken = steps() + 5e-4 * np.sin(2.0 * np.pi * hz * TIME)
     where = [part for part in standstills([steps()]) if part.stop - part.start > SHORTEST_S * 1e3]
     assert np.array_equal(calmed(shaken, where, 1e-4), shaken)
+
+
+@pytest.mark.parametrize(("trembling", "rests"), [(0.0, 6), (4.0, 0)])
+def test_a_wheel_that_trembles_beyond_its_speeds_noise_does_not_rest(trembling, rests):
+    noise = 4e-3
+    speed = np.gradient(steps(), 1e-3) + noise * np.random.default_rng(5).standard_normal(TICKS)
+    speed += trembling * noise * np.sin(2.0 * np.pi * 40.0 * TIME)
+    assert len(restful(standstills([steps()]), speed, noise)) == rests

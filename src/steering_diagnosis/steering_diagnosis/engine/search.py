@@ -26,7 +26,7 @@ POLISHED, FINISHED = 4, 0.2
 KEPT = 0.8
 """Share of a linear gain that a refit has to reach, else it is begun elsewhere as well."""
 OWN = 0.5
-"""Share of its gain that a cause has to have in outputs in which no other gains far more."""
+"""Share of its gain that a small cause has to have in outputs where it gains more than others."""
 PAIRS = 3
 VERDICTS = 3
 """Rounds in the noise that the verdict leaves, at most."""
@@ -280,14 +280,24 @@ class Search:
     def _without_weakest(self, full: Fit) -> Fit | None:
         """Backward elimination: drop the weakest cause that is not real."""
         found = {n: self.weigh(self.without(full, n), full) for n in sorted(full.names)}
-        # Another formula than ours leaves a little of a large cause, which some other one fits.
-        inexact = [e.gains for n, e in found.items() if not self._exact(n)]
-        least = self.problem.settings.least_next * np.max([0.0 * self.floor, *inexact], axis=0)
-        weak = [(e.ratio, n) for n, e in found.items() if e.why_not or leftover(e, least)]
+        inexact = [e for n, e in found.items() if not self._exact(n)]
+        weak = [
+            (e.ratio, n)
+            for n, e in found.items()
+            if e.why_not or leftover(e, inexact, self.problem.settings.least_next)
+        ]
         return self.without(full, min(weak)[1]) if weak else None
 
 
-def leftover(cause: Evidence, least: np.ndarray) -> bool:
-    """Return whether a cause gains most where others gain far more. least: by output."""
+def leftover(cause: Evidence, inexact: Sequence[Evidence], least: float) -> bool:
+    """Return whether a cause fits what the formula of a large one leaves of it.
+
+    inexact: causes with another formula than the truth's. least: share of one's gain from which it
+    is no leftover. Nor is it where it gains most in outputs in which it gains more than they do.
+    """
+    others = [e for e in inexact if e.ratio * least > cause.ratio]
+    if not others:
+        return False
     gained = np.maximum(cause.gains, 0.0)
-    return bool(gained[gained > least].sum() < OWN * gained.sum())
+    own = gained > np.max([e.gains for e in others], axis=0)
+    return bool(gained[own].sum() < OWN * gained.sum())

@@ -26,7 +26,7 @@ from steering_diagnosis.steering.smoothing import (
     low_pass,
     spectrum,
 )
-from steering_diagnosis.steering.standstill import calmed, standstills
+from steering_diagnosis.steering.standstill import calmed, restful, standstills
 from steering_plant.model import states
 
 RUN_UP = 200
@@ -67,6 +67,9 @@ SENSORS = {
     "rack_force": "rack_force_sensor",
 }
 """The data sheet's group of each measured channel's sensor."""
+
+MOVING = {"steering_wheel_angle": "steering_wheel_speed", "rack_position": "rack_speed"}
+"""Positions and their speeds."""
 
 COMMANDS = {
     "closed_centre": ("left_solenoid_force", "right_solenoid_force"),
@@ -151,9 +154,10 @@ class Drive:
                 f"'{record.name}' has neither the valves' commands nor both chamber pressures"
             )
         if cutoff_hz is None:
-            self._use_speed("steering_wheel_angle", "steering_wheel_speed")
-            self._use_speed("rack_position", "rack_speed")
-            self._stand_still("steering_wheel_angle", "rack_position")
+            for position, speed in MOVING.items():
+                self._use_speed(position, speed)
+            self._still = self._standstills()
+            self._stand_still(*MOVING)
         self.command = self._load_command()
         if cutoff_hz is None:
             self._stand_still("rack_force")
@@ -251,14 +255,22 @@ class Drive:
         if is_noise(fast, motion, own.spectrum.noise):
             self.curves[position] = own.replaced(moved + slow)
 
+    def _standstills(self) -> list[slice]:
+        """Return where wheel and rack stand still, as far as their sensors know."""
+        moving = [n for n in MOVING if n in self.curves]
+        where = standstills(self.curves[n].values[RUN_UP:] for n in moving)
+        for speed in MOVING.values():
+            if speed in self.record:
+                rate = bridged(self.record[speed])
+                where = restful(where, rate, spectrum(rate).noise)
+        return where
+
     def _stand_still(self, *channels: str) -> None:
         """Take noise out of channels where wheel and rack stand still."""
-        moving = [n for n in ("steering_wheel_angle", "rack_position") if n in self.curves]
-        where = standstills(self.curves[n].values[RUN_UP:] for n in moving)
         for name in channels:
             curve = self.curves.get(name)
             if curve is not None and curve.smoothed:
-                calm = calmed(curve.values[RUN_UP:], where, curve.spectrum.noise)
+                calm = calmed(curve.values[RUN_UP:], self._still, curve.spectrum.noise)
                 self.curves[name] = curve.replaced(calm, curve.low_passed)
 
     def _load_command(self) -> LoadCommand | None:

@@ -19,8 +19,9 @@ LOWEST_HZ, HIGHEST_HZ = 12.0, 120.0
 ABOVE_NOISE = 3.0
 """Spectral density over the noise's from which a frequency belongs to the signal."""
 
-RELATED = 0.3
-"""Share of an error that follows the motion from which it is none of noise."""
+RELATED, HARMLESS = 0.3, 0.1
+"""Share of an error that follows the motion from which it is none of noise; and share of a sample's
+noise below which it may: a driver who feels the noise moves with it."""
 
 EDGE = 300
 ORDER = 3
@@ -67,8 +68,8 @@ def is_noise(error: np.ndarray, motion: np.ndarray, noise: float) -> bool:
     inner = slice(EDGE, -EDGE) if len(error) > 4 * EDGE else slice(None)
     columns = np.column_stack([motion, np.gradient(motion)])[inner]
     solved = np.linalg.lstsq(columns, error[inner], rcond=None)[0]
-    size = np.std(error[inner])
-    return bool(size < noise and np.std(columns @ solved) < RELATED * size)
+    size, following = np.std(error[inner]), np.std(columns @ solved)
+    return bool(size < noise and following < max(RELATED * size, HARMLESS * noise))
 
 
 def integrated(values: np.ndarray, known: Spectrum) -> np.ndarray:

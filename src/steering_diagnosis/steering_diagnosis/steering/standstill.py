@@ -19,10 +19,17 @@ SLOW = 0.02
 """Of a record's usual speed: what moves less stands still."""
 
 SPEED_HZ = 20.0
-SHORTEST_S = 0.2
+SHORTEST_S = 0.3
+TREMBLING_HZ, RESTLESS = (15.0, 120.0), 2.5
+"""Where trembling shows in a speed, and from how many times white noise in that band; sensors'
+noise is not quite white."""
+
 DEGREE = 3
 TRIMMED = (0.0, 0.15, 0.3, 0.5)
 """Shares of a standstill that are left out at its beginning, until what is left has settled."""
+
+SMEARED = 100
+"""Ticks at both ends of a standstill into which filters smear what moved before and after."""
 
 BLEND = 40
 """Ticks in which a curve goes over into its polynomial."""
@@ -40,6 +47,18 @@ def standstills(positions: Iterable[np.ndarray]) -> list[slice]:
     edges = np.diff(np.concatenate([[0], still.astype(np.int8), [0]]))
     found = zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True)
     return [slice(int(a), int(b)) for a, b in found if (b - a) * PERIOD_S >= SHORTEST_S]
+
+
+def restful(where: Sequence[slice], rate: np.ndarray, noise: float) -> list[slice]:
+    """Return the standstills in which a measured rate (n,) shows no trembling beyond its noise.
+
+    noise: standard deviation of its samples. A driver who feels a sensor's noise really trembles.
+    """
+    low, high = TREMBLING_HZ
+    fast = low_pass(rate, high) - low_pass(rate, low)
+    most = RESTLESS * noise * np.sqrt(2.0 * (high - low) * PERIOD_S)
+    inner = [slice(part.start + SMEARED, part.stop - SMEARED) for part in where]
+    return [part for part, i in zip(where, inner, strict=True) if np.std(fast[i]) < most]
 
 
 def calmed(values: np.ndarray, where: Sequence[slice], noise: float) -> np.ndarray:
