@@ -48,12 +48,12 @@ def test_fast_motion_comes_from_the_quieter_speed():
 def test_a_driver_who_moves_with_the_noise_he_feels_does_not_part_the_two():
     random = np.random.default_rng(7)
     noise = ANGLE_NOISE * random.standard_normal(len(TIME))
-    # What he answers: a tenth of the noise between 3 and 10 Hz, and nothing else in that band.
-    answer = 0.3 * (low_pass(noise, 10.0) - low_pass(noise, 3.0))
-    angle = 0.05 * np.sin(2.0 * np.pi * 0.2 * TIME) + answer
+    # What he answers is a part of the noise between 3 and 10 Hz, where nothing else moves.
+    answer = 0.6 * (low_pass(noise, 10.0) - low_pass(noise, 3.0))
+    angle = 0.02 * np.sin(2.0 * np.pi * 0.05 * TIME) + answer
     channels = {
         "steering_wheel_angle": angle + noise,
-        "steering_wheel_speed": np.gradient(angle, 1e-3) + 3e-3 * random.standard_normal(12_000),
+        "steering_wheel_speed": np.gradient(angle, 1e-3) + 3e-4 * random.standard_normal(12_000),
         "rack_force": np.zeros(len(TIME)),
         "left_pressure": np.full(len(TIME), 1e6),
         "right_pressure": np.full(len(TIME), 1e6),
