@@ -70,8 +70,9 @@ def test_what_spoils_a_cause(
 
 def test_what_nothing_predicts_spoils_only_where_a_cause_explains_most() -> None:
     cause = Hypothesis("cause", "", "rack", ())
-    assert _left(0.9, 0.3, 0, "loud").spoiling(0.06, [cause])
-    assert not _left(0.9, 0.3, 1, "loud").spoiling(0.06, [cause])
+    assert _left(0.9, 0.4, 0, "loud").spoiling(0.06, [cause])
+    assert not _left(0.9, 0.3, 0, "loud").spoiling(0.06, [cause])
+    assert not _left(0.9, 0.4, 1, "loud").spoiling(0.06, [cause])
 
 
 def test_loud_structure_is_reported_beside_causes() -> None:

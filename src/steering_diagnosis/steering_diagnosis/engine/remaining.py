@@ -20,6 +20,8 @@ REFITS = 3
 """Rounds of nuisances and noise on the second record; the noise is taken for white at first."""
 LOUD = 2.0
 """Structure this much over the noise is reported however small beside what is explained."""
+UNPREDICTED = 0.1
+"""Share of what is explained from which an error that nothing predicts speaks against causes."""
 AROUND = 1.5
 """Factor by which a structure's band is taken wider."""
 ACTING = 0.03
@@ -82,8 +84,9 @@ class Left:
         """Return structure where the causes act that is more than another formula would leave.
 
         least: share of what is explained there. Causes have to explain their own balance even if
-        most of what they do is seen elsewhere, but for what nothing predicts; those with the only
-        formula there is leave nothing loud. Where they do not act is another phenomenon.
+        most of what they do is seen elsewhere. What nothing predicts is excepted, and has to be
+        larger: another formula leaves such. Causes with the only formula there is leave nothing
+        loud. Where they do not act is another phenomenon.
         """
         balances = {cause.balance for cause in causes}
         exact = all(cause.exact for cause in causes)
@@ -94,9 +97,10 @@ class Left:
             share = s.energy / max(explained[s.output], 1e-300)
             main = weight[s.output] > CONCERNED * weight.sum()
             own = self.remains.outputs[s.output].balance in balances
-            concerned = main or (own and s.kind != "loud")
-            large = share > least or (exact and s.energy > LOUD * s.noise)
-            if large and concerned and self._in_band(s):
+            predicted = s.kind != "loud"
+            enough = least if predicted else max(least, UNPREDICTED)
+            large = share > enough or (exact and s.energy > LOUD * s.noise)
+            if large and (main or (own and predicted)) and self._in_band(s):
                 found.append(self._region(s, float(min(share, 1.0))))
         return found
 
