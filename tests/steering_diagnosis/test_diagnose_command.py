@@ -46,10 +46,14 @@ def test_a_hidden_leakage_is_named_measured_and_runs_as_an_extension(bag, tmp_pa
     assert main([*run, "--set-file", str(out / "extension.yaml")]) == 0
 
 
-@pytest.mark.parametrize("scenario", ["on_centre", "step"])
-def test_a_noisy_run_without_a_hidden_effect_is_clean(scenario, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("scenario", "noise"),
+    [("on_centre", NOISE), ("step", NOISE), ("ramp", []), ("free_release", [])],
+    ids=["on_centre", "step", "ramp without noise", "free_release without noise"],
+)
+def test_a_run_without_a_hidden_effect_is_clean(scenario, noise, tmp_path, capsys):
     options = ["--direct", "--duration", "10", "--node-set", "open_centre", "--out", str(tmp_path)]
-    assert main(["run", scenario, *options, *NOISE]) == 0
+    assert main(["run", scenario, *options, *noise]) == 0
     out = tmp_path / "diagnosis"
     assert main(["diagnose", str(tmp_path / "open_centre"), "--out", str(out), "--jobs", "1"]) == 0
     assert "verdict: clean" in capsys.readouterr().out

@@ -11,9 +11,10 @@ import numpy as np
 from steering_diagnosis.engine.evaluate import Call
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
 from steering_diagnosis.engine.fit import Fit, Problem, misfit, refit, settled
-from steering_diagnosis.engine.noise import Noise
+from steering_diagnosis.engine.noise import Noise, mean_square
 from steering_diagnosis.engine.parsimony import parsimonious
 from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
+from steering_diagnosis.engine.structure import NEXT_TO_NONE, SCATTER
 from steering_diagnosis.engine.templates import Template, nuisance_columns
 
 HOPELESS = 0.5
@@ -86,6 +87,8 @@ class Search:
         which it leaves itself: slow errors would else pass for coloured noise and hide themselves,
         or, where nothing explains them, pass for signal.
         """
+        if self._within_resolution():
+            return self.null
         final = self._standing(self.improve(self._forward()))
         for _ in range(VERDICTS):
             names = final.names
@@ -94,6 +97,14 @@ class Search:
             if final.names == names:
                 break
         return final
+
+    def _within_resolution(self) -> bool:
+        """Return whether a record without noise leaves nothing that two solvers would not."""
+        runs, p = self.problem.runs, self.problem
+        known = runs.own + mean_square(runs.shaken, p.valid)
+        none = (known > 0.0) & (known < (NEXT_TO_NONE * p.floor) ** 2)
+        left = mean_square(self.null.residual, p.valid)
+        return bool(np.all(none & (left < (SCATTER * p.floor) ** 2)))
 
     def _standing(self, final: Fit) -> Fit:
         """Return a model without the causes that are not real."""

@@ -41,6 +41,9 @@ COARSE, VISIBLE_COARSE = 0.05, 1.2
 output can be modelled: structure has to exceed the noise."""
 SCATTER = 2.5
 """Structure is visible from so many resolutions: a twentieth of what the tolerances scatter."""
+NEXT_TO_NONE, NOISELESS = 0.1, 2.0
+"""Known noise over the resolution below which it is none; then two solvers' difference, which comes
+and goes with the motion, is all there is, and structure is visible from so much more."""
 SHARED_SCATTER = 15.0
 """An error that outputs share counts from so many resolutions: a third of the scatter."""
 INPUTS_NOISE = 4.0
@@ -256,7 +259,14 @@ def _loud(remains: Remains, j: int) -> Structure | None:
 def _least(remains: Remains, noise: float, j: int) -> float:
     """Return the energy from which structure is visible: over noise and tolerances' scatter."""
     coarse = remains.floor[j] ** 2 < COARSE**2 * noise
-    return (VISIBLE_COARSE if coarse else VISIBLE) * noise + (SCATTER * remains.floor[j]) ** 2
+    scatter = SCATTER * remains.floor[j] * (NOISELESS if _noiseless(remains, j) else 1.0)
+    return (VISIBLE_COARSE if coarse else VISIBLE) * noise + scatter**2
+
+
+def _noiseless(remains: Remains, j: int) -> bool:
+    """Return whether an output is known to have next to no noise."""
+    known = remains.own[j] + _mean_square(remains, remains.shaken[:, j], j)
+    return 0.0 < known < (NEXT_TO_NONE * remains.floor[j]) ** 2
 
 
 def _excitation(remains: Remains) -> np.ndarray:
