@@ -48,8 +48,8 @@ def test_a_hidden_leakage_is_named_measured_and_runs_as_an_extension(bag, tmp_pa
 
 @pytest.mark.parametrize(
     ("scenario", "noise"),
-    [("on_centre", NOISE), ("step", NOISE), ("ramp", []), ("free_release", [])],
-    ids=["on_centre", "step", "ramp without noise", "free_release without noise"],
+    [("on_centre", NOISE), ("step", NOISE), ("ramp", []), ("step", [])],
+    ids=["on_centre", "step", "ramp without noise", "step without noise"],
 )
 def test_a_run_without_a_hidden_effect_is_clean(scenario, noise, tmp_path, capsys):
     options = ["--direct", "--duration", "10", "--node-set", "open_centre", "--out", str(tmp_path)]

@@ -14,7 +14,7 @@ from steering_diagnosis.engine.fit import Fit, Problem, misfit, refit, settled
 from steering_diagnosis.engine.noise import Noise, mean_square
 from steering_diagnosis.engine.parsimony import parsimonious
 from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
-from steering_diagnosis.engine.structure import NEXT_TO_NONE, SCATTER
+from steering_diagnosis.engine.structure import NEXT_TO_NONE, NOISELESS, SCATTER
 from steering_diagnosis.engine.templates import Template, nuisance_columns
 
 HOPELESS = 0.5
@@ -104,7 +104,7 @@ class Search:
         known = runs.own + mean_square(runs.shaken, p.valid)
         none = (known > 0.0) & (known < (NEXT_TO_NONE * p.floor) ** 2)
         left = mean_square(self.null.residual, p.valid)
-        return bool(np.all(none & (left < (SCATTER * p.floor) ** 2)))
+        return bool(np.all(none & (left < (NOISELESS * SCATTER * p.floor) ** 2)))
 
     def _standing(self, final: Fit) -> Fit:
         """Return a model without the causes that are not real."""

@@ -239,9 +239,10 @@ def _bursts(remains: Remains, j: int) -> Structure | None:
         return None
     total = _mean_square(remains, remains.residual[:, j], j)
     share = 1.0 - expected / float(energy.mean())
-    if share * total < _least(remains, (1.0 - share) * total, j):
+    left = max((1.0 - share) * total, remains.floor[j] ** 2)
+    if share * total < _least(remains, left, j):
         return None
-    return Structure(j, share * total, (1.0 - share) * total, remains.residual[:, j], "bursts", "")
+    return Structure(j, share * total, left, remains.residual[:, j], "bursts", "")
 
 
 def _loud(remains: Remains, j: int) -> Structure | None:
