@@ -77,7 +77,6 @@ def begin(
         valid=valid,
         training=valid & ~out[:, None],
         floor=resolution(base, nuisance, trials, settings),
-        shaken=runs.shaken,
     )
     held = (
         HeldOut(None, valid, block, valid & out[:, None], moments(len(base), grid.step_s, settings))

@@ -9,7 +9,7 @@ from scipy import stats
 
 from steering_diagnosis.engine.catalogue import scales
 from steering_diagnosis.engine.evaluate import Evaluator
-from steering_diagnosis.engine.fit import Fit, Problem
+from steering_diagnosis.engine.fit import Fit, Problem, whitened
 from steering_diagnosis.engine.intervals import covariance
 from steering_diagnosis.engine.noise import Noise, fit_noise, mean_square, usable
 from steering_diagnosis.engine.settings import Settings
@@ -140,13 +140,9 @@ def weigh(
         (at_bound(problem, full, cause), "its estimate runs to the end of its bounds"),
     ]
     why = next((text for failed, text in reasons if failed), "")
-    gains = energies(problem, full.noise, without) - energies(problem, full.noise, full)
+    parts = [whitened(problem, full.noise, fit.residual) ** 2 for fit in (without, full)]
+    gains = parts[0].sum(axis=0) - parts[1].sum(axis=0)
     return Evidence(ratio, gains, p, float(bic), sigmas, share, material, why)
-
-
-def energies(problem: Problem, noise: Noise, fit: Fit) -> np.ndarray:
-    """Return the energy of each output's residual in units of a noise, (outputs,)."""
-    return np.sum((noise.whiten(fit.residual) * problem.weights()) ** 2, axis=0)
 
 
 def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:

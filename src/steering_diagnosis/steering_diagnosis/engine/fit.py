@@ -42,8 +42,7 @@ class Problem:
     nuisance: columns of the nuisances, (n, outputs, p). valid, training: (n, outputs) bool.
     floor: resolution of each output, see ``Settings.resolution``. frozen: parameters of hypotheses,
     by name and position, that stay where they are. common: the noise that every model is judged in;
-    None: each in that which it leaves. shaken: what another draw of the
-    inputs' noise does, (n, outputs).
+    None: each in that which it leaves.
     """
 
     runs: Evaluator
@@ -55,14 +54,13 @@ class Problem:
     floor: np.ndarray
     frozen: frozenset[tuple[str, int]] = frozenset()
     common: Noise | None = None
-    shaken: np.ndarray | None = None
 
     def noise(self, residual: np.ndarray) -> Noise:
         """Fit the noise to a residual on the training samples."""
         s = self.settings
         rows = usable(self.valid, s.noise_order) & self.training
         density = self.runs.grid.density
-        return fit_noise(residual, rows, self.floor, s.noise_order, density, self.shaken)
+        return fit_noise(residual, rows, self.floor, s.noise_order, density, self.runs.shaken)
 
     def weights(self) -> np.ndarray:
         """Return the weight of each whitened sample, (n, outputs)."""
@@ -110,8 +108,12 @@ def assess(problem: Problem, z: np.ndarray, values: Values, residual: np.ndarray
 
 def energy(problem: Problem, noise: Noise, residual: np.ndarray) -> float:
     """Return a residual's energy in units of a noise, over the training samples."""
-    white = noise.whiten(residual) * problem.weights()
-    return float(np.sum(white**2))
+    return float(np.sum(whitened(problem, noise, residual) ** 2))
+
+
+def whitened(problem: Problem, noise: Noise, residual: np.ndarray) -> np.ndarray:
+    """Return a residual in units of a noise, (n, outputs); zero beside the training samples."""
+    return np.asarray(noise.whiten(residual) * problem.weights())
 
 
 def refit(

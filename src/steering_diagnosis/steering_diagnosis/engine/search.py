@@ -14,7 +14,7 @@ from steering_diagnosis.engine.fit import Fit, Problem, misfit, refit, settled
 from steering_diagnosis.engine.noise import Noise, mean_square
 from steering_diagnosis.engine.parsimony import parsimonious
 from steering_diagnosis.engine.screen import Score, pairs, saturated, screen, start_of
-from steering_diagnosis.engine.structure import NEXT_TO_NONE, NOISELESS, SCATTER
+from steering_diagnosis.engine.structure import NOISELESS, SCATTER, noiseless
 from steering_diagnosis.engine.templates import Template, nuisance_columns
 
 HOPELESS = 0.5
@@ -102,9 +102,10 @@ class Search:
         """Return whether a record without noise leaves nothing that two solvers would not."""
         runs, p = self.problem.runs, self.problem
         known = runs.own + mean_square(runs.shaken, p.valid)
-        none = (known > 0.0) & (known < (NEXT_TO_NONE * p.floor) ** 2)
         left = mean_square(self.null.residual, p.valid)
-        return bool(np.all(none & (left < (NOISELESS * SCATTER * p.floor) ** 2)))
+        return bool(
+            np.all(noiseless(known, p.floor) & (left < (NOISELESS * SCATTER * p.floor) ** 2))
+        )
 
     def _standing(self, final: Fit) -> Fit:
         """Return a model without the causes that are not real."""

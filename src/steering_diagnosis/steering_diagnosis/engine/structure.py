@@ -265,9 +265,16 @@ def _least(remains: Remains, noise: float, j: int) -> float:
 
 
 def _noiseless(remains: Remains, j: int) -> bool:
-    """Return whether an output is known to have next to no noise."""
     known = remains.own[j] + _mean_square(remains, remains.shaken[:, j], j)
-    return 0.0 < known < (NEXT_TO_NONE * remains.floor[j]) ** 2
+    return bool(noiseless(known, remains.floor[j]))
+
+
+def noiseless(known: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Return which outputs are known to have next to no noise, (outputs,).
+
+    known: mean squares of all noise, zero where nothing is known. floor: resolutions.
+    """
+    return np.asarray((known > 0.0) & (known < (NEXT_TO_NONE * floor) ** 2))
 
 
 def _excitation(remains: Remains) -> np.ndarray:
