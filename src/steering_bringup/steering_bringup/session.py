@@ -8,6 +8,7 @@ from pathlib import Path
 
 from steering_bringup.checks import check_physics, check_place
 from steering_bringup.errors import BenchError
+from steering_bringup.interrupts import nothing_to_lose
 from steering_bringup.outcome import Outcome
 from steering_bringup.plans import Plan
 
@@ -35,8 +36,8 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
                 if node.name not in plan.manner.external
             }
             zygote = stack.enter_context(Zygote(sorted(location(k).split(":")[0] for k in kinds)))
-        for plan in plans:
-            check_physics(plan)
+        with nothing_to_lose():
+            _prepare(plans)
         outcomes: list[Outcome] = []
         for plan in plans:
             if plan.bag is not None:
@@ -49,6 +50,13 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
             if not outcomes[-1].ok:
                 break
     return outcomes
+
+
+def _prepare(plans: Sequence[Plan]) -> None:
+    for plan in plans:
+        check_physics(plan)
+    if any(plan.manner.runner == "graph" for plan in plans):
+        import steering_lockstep.processes  # noqa: F401
 
 
 def make_folder(folder: Path) -> None:

@@ -13,6 +13,8 @@ from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import Any
 
+from steering_bringup.interrupts import nothing_to_lose
+
 COMMANDS = {
     "run": "run a scenario through the ROS graph (or --direct), record and compare",
     "node": "run one node of a run by hand, on this or another computer",
@@ -61,7 +63,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     with contextlib.suppress(OSError):
         # Last, so that it shadows nothing: where a node of one's own (MODULE:FUNCTION) is found.
         sys.path.append(os.getcwd())
-    parser = _parser(arguments)
+    with nothing_to_lose():
+        parser = _parser(arguments)
     options, unknown = parser.parse_known_args(arguments)
     if unknown:
         parser.refuse(unknown[0], options)

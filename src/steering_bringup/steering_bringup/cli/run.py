@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from steering_bringup.errors import BenchError
+from steering_bringup.interrupts import nothing_to_lose
 
 if TYPE_CHECKING:
     from steering_bringup.outcome import Outcome
@@ -95,12 +96,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Plan, run, compare, and tell."""
-    from steering_bringup.session import run_all
+    with nothing_to_lose():
+        from steering_bringup.session import run_all
 
-    scenario = _scenario(options)
-    folder = _folder(options, scenario.name)
-    plans = _plans(options, scenario, folder)
-    _prepare_external(plans, folder)
+        scenario = _scenario(options)
+        folder = _folder(options, scenario.name)
+        plans = _plans(options, scenario, folder)
+        _prepare_external(plans, folder)
     outcomes = run_all(plans, _tell)
     report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
     if len(outcomes) == 2 and all(outcome.ok and outcome.bag for outcome in outcomes):
