@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from steering_diagnosis.engine.evidence import Evidence, certainty
+from steering_diagnosis.engine.evidence import Evidence, HeldOut, certainty
+from steering_diagnosis.engine.noise import fit_noise
 from steering_diagnosis.engine.sampling import moments
 from steering_diagnosis.engine.search import leftover
 from steering_diagnosis.engine.settings import Settings
@@ -20,17 +21,17 @@ FIRST = gaining(2e6, 1e4, 0.0)
 @pytest.mark.parametrize(
     ("gains", "expected"),
     [
-        ((1.2e4, 0.0, 0.0), True),
-        ((3e4, 0.0, 0.0), False),
-        ((0.0, 0.0, 1.2e4), False),
-        ((3e3, 0.0, 7e3), False),
-        ((3e3, 6e3, 500.0), True),
+        ((1.2e3, 0.0, 0.0), True),
+        ((3e3, 0.0, 0.0), False),
+        ((0.0, 0.0, 500.0), False),
+        ((800.0, 0.0, 900.0), False),
+        ((900.0, 8.0, 500.0), True),
     ],
     ids=["a leftover", "large enough", "in an output of its own", "mostly there", "elsewhere too"],
 )
 def test_a_leftover_gains_where_another_cause_gains_far_more(gains, expected):
-    assert leftover(gaining(*gains), [FIRST], Settings().least_next) is expected
-    assert not leftover(gaining(*gains), [], Settings().least_next)
+    assert leftover(gaining(*gains), [FIRST], Settings().leaves) is expected
+    assert not leftover(gaining(*gains), [], Settings().leaves)
 
 
 def test_a_gain_in_a_few_moments_is_certain_and_one_spike_is_not():
@@ -42,3 +43,19 @@ def test_a_gain_in_a_few_moments_is_certain_and_one_spike_is_not():
     assert certainty(gain) < settings.held_out_sigmas
     gain[40:44] = 1000.0
     assert certainty(gain) > settings.held_out_sigmas
+
+
+@pytest.mark.parametrize("outputs", [1, 4])
+def test_one_event_is_certain_where_several_outputs_feel_it(outputs):
+    settings, shape = Settings(), (3000, 6)
+    moment = moments(shape[0], 5e-3, settings)
+    known = np.ones(shape, bool)
+    known[:, 5] = False
+    held = HeldOut(None, known, moment, known, moment)
+    after = np.random.default_rng(1).standard_normal(shape) * known
+    before = after.copy()
+    before[np.flatnonzero(moment == 40)[3:15], :outputs] += 9.0
+    noise = fit_noise(after, known, np.full(6, 1e-3), 1, 1.0)
+    gain = held.scores(noise, before) - held.scores(noise, after)
+    assert gain.shape == (5 * (moment[-1] + 1),)
+    assert (certainty(gain) > settings.held_out_sigmas) == (outputs > 1)

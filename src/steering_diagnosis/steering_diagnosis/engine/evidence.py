@@ -44,9 +44,11 @@ class HeldOut:
     def gain(
         self, problem: Problem, old: Noise, new: Noise, before: np.ndarray, after: np.ndarray
     ) -> np.ndarray:
-        """Return the gain in twice the predictive log-likelihood of each moment, (moments,).
+        """Return the gain in twice the predictive log-likelihood of each output in each moment.
 
-        Another record has noise of its own, that of what the better model leaves there.
+        Shape (known outputs of all moments,). Outputs have noise of their own: an event that
+        several of them feel speaks for a cause although it lasts a moment only. Another record has
+        noise of its own too, that of what the better model leaves there.
         """
         if self.runs is not None:
             rows = usable(self.valid, new.order) & self.rows
@@ -55,11 +57,12 @@ class HeldOut:
         return self.scores(old, before) - self.scores(new, after)
 
     def scores(self, noise: Noise, residual: np.ndarray) -> np.ndarray:
-        """Return minus twice the predictive log-likelihood of each moment, (moments,)."""
+        """Return minus twice the predictive log-likelihood of each output in each moment."""
         rows = usable(self.valid, noise.order) & self.rows
-        white = noise.whiten(residual)
-        each = np.where(rows, white**2 + np.log(noise.sd**2), 0.0).sum(axis=1)
-        return np.bincount(self.moment, each)[np.bincount(self.moment, rows.any(axis=1)) > 0]
+        each = np.where(rows, noise.whiten(residual) ** 2 + np.log(noise.sd**2), 0.0)
+        columns = range(rows.shape[1])
+        summed = np.array([np.bincount(self.moment, each[:, i]) for i in columns])
+        return summed[np.array([np.bincount(self.moment, rows[:, i]) for i in columns]) > 0]
 
     def energy(self, residual: np.ndarray) -> np.ndarray:
         """Return the mean square of each output on the held-out samples, (outputs,)."""

@@ -27,8 +27,10 @@ POLISHED, FINISHED = 4, 0.2
 KEPT = 0.8
 """Share of a linear gain that a refit has to reach, else it is begun elsewhere as well."""
 OWN = 0.5
-"""Share of its gain that a small cause has to have in outputs where it gains more than others."""
+"""Share of a cause's gain that has to be beyond what formulas of larger causes leave of them."""
 PAIRS = 3
+QUIETER = 0.7
+"""Share of a noise's root mean square from which another one is so much less that causes show."""
 VERDICTS = 3
 """Rounds in the noise that the verdict leaves, at most."""
 
@@ -89,7 +91,7 @@ class Search:
         """
         if self._within_resolution():
             return self.null
-        final = self._standing(self.improve(self._forward()))
+        final = self._found()
         for _ in range(VERDICTS):
             names = final.names
             final = self._judge_in(self.problem.noise(final.residual), final)
@@ -97,6 +99,31 @@ class Search:
             if final.names == names:
                 break
         return final
+
+    def _found(self) -> Fit:
+        """Return the model that the search ends with, in the noise that the catalogue leaves.
+
+        That noise is linear about the nominal model. Where a large cause is far from linear, too
+        much is left, and all that is smaller hides in it: then the search goes on in the noise
+        that the catalogue leaves about the causes that came nearest.
+        """
+        final = self._standing(self.improve(self._forward(self.null)))
+        for _ in range(VERDICTS):
+            noise = self._quietest(final)
+            if not np.any(noise.rms < QUIETER * np.sqrt(self.floor)):
+                break
+            names, self.floor = final.names, noise.rms**2
+            final = self._forward(self._judge_in(noise, final))
+            final = self._standing(self.improve(final))
+            if final.names == names:
+                break
+        return final
+
+    def _quietest(self, final: Fit) -> Noise:
+        """Return the least noise that the catalogue leaves about a model or a neighbour of it."""
+        near = self.extended(final, self.problem.settings.refitted_next, FAR)
+        left = [saturated(self.problem, fit, self.trials) for fit in (final, *near)]
+        return min(map(self.problem.noise, left), key=lambda n: float(np.log(n.sd).sum()))
 
     def _within_resolution(self) -> bool:
         """Return whether a record without noise leaves nothing that two solvers would not."""
@@ -219,10 +246,10 @@ class Search:
             final = min(options, key=misfit)
         return final
 
-    def _forward(self) -> Fit:
-        beam, final = [self.null], self.null
+    def _forward(self, begin: Fit) -> Fit:
+        beam, final = [begin], begin
         s = self.problem.settings
-        for depth in range(s.most_causes):
+        for depth in range(len(begin.names), s.most_causes):
             most = s.refitted if depth == 0 else s.refitted_next
             passed = self._passed(beam, most, FAR)
             if depth == 0:
@@ -245,7 +272,7 @@ class Search:
         beyond all motion a Stribeck curve is a level, and a little more. base: without the cause.
         """
         ranked = sorted(fits, key=misfit)
-        slack = self.problem.settings.least_next * max(base.misfit - ranked[0].misfit, 0.0)
+        slack = self.problem.settings.equal_gain * max(base.misfit - ranked[0].misfit, 0.0)
         equal = [f for f in ranked if f.misfit <= ranked[0].misfit + slack]
         return min(equal, key=lambda f: sum(len(v) for v in f.values.values()))
 
@@ -296,20 +323,18 @@ class Search:
         weak = [
             (e.ratio, n)
             for n, e in found.items()
-            if e.why_not or leftover(e, inexact, self.problem.settings.least_next)
+            if e.why_not or leftover(e, inexact, self.problem.settings.leaves)
         ]
         return self.without(full, min(weak)[1]) if weak else None
 
 
-def leftover(cause: Evidence, inexact: Sequence[Evidence], least: float) -> bool:
-    """Return whether a cause fits what the formula of a large one leaves of it.
+def leftover(cause: Evidence, inexact: Sequence[Evidence], leaves: float) -> bool:
+    """Return whether a cause fits what the formula of a larger one leaves of it.
 
-    inexact: causes with another formula than the truth's. least: share of one's gain from which it
-    is no leftover. Nor is it where it gains most in outputs in which it gains more than they do.
+    inexact: causes with another formula than the truth's. leaves: share of what they gain in an
+    output that may remain of them there. Not more than half of a leftover's gain is beyond that.
     """
-    others = [e for e in inexact if e.ratio * least > cause.ratio]
-    if not others:
-        return False
+    larger = [e.gains for e in inexact if e.ratio > cause.ratio]
     gained = np.maximum(cause.gains, 0.0)
-    own = gained > np.max([e.gains for e in others], axis=0)
-    return bool(gained[own].sum() < OWN * gained.sum())
+    left = leaves * np.max([np.zeros_like(gained), *larger], axis=0)
+    return bool(np.maximum(gained - left, 0.0).sum() < OWN * gained.sum())

@@ -58,8 +58,11 @@ class Settings:
     """The same for a further cause, of what the others leave."""
     least_share_parameter: float = 0.5
     """The same where the cause is a nominal parameter that no effect covers."""
-    least_next: float = 0.01
-    """Likelihood ratio of a further cause over the largest one's, at least."""
+    equal_gain: float = 0.01
+    """Gains of rivals that differ by less, as a share, are equal."""
+    leaves: float = 5e-4
+    """Share of what a cause gains in an output that may remain there, because the truth follows
+    another formula."""
     least_size: float = 0.09
     """Of a hypothesis's visible (typical) size; smaller ones are not named."""
     least_explained: float = 0.45
