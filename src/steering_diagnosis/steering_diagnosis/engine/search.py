@@ -31,6 +31,7 @@ OWN = 0.5
 PAIRS = 3
 QUIETER = 0.7
 """Share of a noise's root mean square from which another one is so much less that causes show."""
+QUIETER_TIMES = 6
 VERDICTS = 3
 """Rounds in the noise that the verdict leaves, at most."""
 
@@ -108,15 +109,13 @@ class Search:
         that the catalogue leaves about the causes that came nearest.
         """
         final = self._standing(self.improve(self._forward(self.null)))
-        for _ in range(VERDICTS):
+        for _ in range(QUIETER_TIMES):
             noise = self._quietest(final)
             if not np.any(noise.rms < QUIETER * np.sqrt(self.floor)):
                 break
-            names, self.floor = final.names, noise.rms**2
+            self.floor = noise.rms**2
             final = self._forward(self._judge_in(noise, final))
             final = self._standing(self.improve(final))
-            if final.names == names:
-                break
         return final
 
     def _quietest(self, final: Fit) -> Noise:
