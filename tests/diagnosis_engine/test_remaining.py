@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from steering_diagnosis.engine.structure import Remains, Structure
 STEP_S = 5e-3
 TIME = np.arange(4000) * STEP_S
 NOISE = 0.01
+ONES = np.ones(2)
 EXPLAINED = np.sin(2.0 * np.pi * 0.8 * TIME)
 
 
@@ -73,6 +76,24 @@ def test_what_nothing_predicts_spoils_only_where_a_cause_explains_most() -> None
     assert _left(0.9, 0.4, 0, "loud").spoiling(0.06, [cause])
     assert not _left(0.9, 0.3, 0, "loud").spoiling(0.06, [cause])
     assert not _left(0.9, 0.4, 1, "loud").spoiling(0.06, [cause])
+
+
+@pytest.mark.parametrize(
+    ("own", "size", "where", "spoilt"),
+    [
+        (0.05, 0.4, "fitted record", True),
+        (0.05, 0.4, "held-out record", False),
+        (0.10, 0.4, "fitted record", False),
+        (0.05, 0.3, "fitted record", False),
+    ],
+    ids=["loud", "of the other record", "no louder than known noise", "another formula's"],
+)
+def test_what_is_left_beside_causes_is_no_louder_than_noise(own, size, where, spoilt):
+    left = _left(0.9, size)
+    left = replace(
+        left, where=where, structures=[], remains=replace(left.remains, own=own**2 * ONES)
+    )
+    assert bool(left.spoiling(0.06, [Hypothesis("cause", "", "rack", ())])) is spoilt
 
 
 def test_loud_structure_is_reported_beside_causes() -> None:

@@ -12,6 +12,7 @@ from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.fit import Fit, Problem, whitened
 from steering_diagnosis.engine.intervals import covariance
 from steering_diagnosis.engine.noise import Noise, fit_noise, mean_square, usable
+from steering_diagnosis.engine.sampling import blocks
 from steering_diagnosis.engine.settings import Settings
 
 SURE = 2.0
@@ -157,13 +158,14 @@ def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
     unit = (full.values[cause] - [p.neutral for p in h.parameters]) / scales(h)
     amplitudes = [i for i, p in enumerate(h.parameters) if not p.shape] or range(len(unit))
     k = max(amplitudes, key=lambda i: abs(unit[i]))
-    spread = covariance(problem, full, np.zeros(0))
+    grid = problem.runs.grid
+    spread = covariance(problem, full, blocks(len(full.residual), grid.step_s, problem.settings))
     at = problem.nuisance.shape[-1]
     for name, value in full.values.items():
         if name == cause:
             break
         at += len(value)
-    sd = float(np.sqrt(spread.matrix[at + k, at + k]))
+    sd, _ = spread.deviation(at + k)
     least = max(abs(unit[k]) - SURE * sd, 0.0)
     return least > _tolerated(problem, full, cause, k), float(abs(unit[k]))
 

@@ -14,8 +14,9 @@ from steering_diagnosis.engine.fit import FURTHEST, Fit, bounded, gram_of
 from steering_diagnosis.engine.model import Hypothesis, Output
 from steering_diagnosis.engine.noise import fit_noise, mean_square, usable
 from steering_diagnosis.engine.search import Search
-from steering_diagnosis.engine.structure import Remains, Structure, band, region, structures
+from steering_diagnosis.engine.structure import Remains, Structure, band, louder, region, structures
 
+FITTED = "fitted record"
 REFITS = 3
 """Rounds of nuisances and noise on the second record; the noise is taken for white at first."""
 LOUD = 2.0
@@ -85,21 +86,23 @@ class Left:
 
         least: share of what is explained there. Causes have to explain their own balance even if
         most of what they do is seen elsewhere. What nothing predicts is excepted, and has to be
-        larger: another formula leaves such. Causes with the only formula there is leave nothing
-        loud. Where they do not act is another phenomenon.
+        larger: another formula leaves such; on the fitted record it is loud earlier. Causes with
+        the only formula there is leave nothing loud. Where they do not act is another phenomenon.
         """
         balances = {cause.balance for cause in causes}
         exact = all(cause.exact for cause in causes)
         explained = np.maximum(self.before - self.after, 0.0)
         weight = explained / self.noise
         found = []
-        for s in self.structures:
+        seen = len(self.structures)
+        loud = louder(self.remains) if self.where == FITTED else []
+        for i, s in enumerate([*self.structures, *loud]):
             share = s.energy / max(explained[s.output], 1e-300)
             main = weight[s.output] > CONCERNED * weight.sum()
             own = self.remains.outputs[s.output].balance in balances
             predicted = s.kind != "loud"
             enough = least if predicted else max(least, UNPREDICTED)
-            large = share > enough or (exact and s.energy > LOUD * s.noise)
+            large = share > enough or (exact and i < seen and s.energy > LOUD * s.noise)
             if large and (main or (own and predicted)) and self._in_band(s):
                 found.append(self._region(s, float(min(share, 1.0))))
         return found
@@ -119,7 +122,7 @@ def left_by(search: Search, best: Fit, block: np.ndarray) -> list[Left]:
     """Return what the best model leaves on the fitted record and on a second one."""
     p, held = search.problem, search.held
     null = search.null.residual
-    found = [_left(search, p.runs, best.residual, null, p.valid, block, "fitted record")]
+    found = [_left(search, p.runs, best.residual, null, p.valid, block, FITTED)]
     if held.runs is not None:
         residual = held.residual(p, best)
         shift, _ = within_tolerance(search, residual, best.z)

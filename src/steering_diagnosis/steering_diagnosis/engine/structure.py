@@ -51,6 +51,9 @@ INPUTS_NOISE = 4.0
 LOUD = 2.3
 """Error over known noise, rms, from which it is structure. Clean records reach 1.7: noise is not
 quite white, and sensors drift."""
+LOUDER, LEFT_SCATTER = 3.5, 0.5
+"""The same, and resolutions that count as noise, of what is left beside causes. Clean records reach
+2.9: a twentieth of the scatter hides what a wrong cause leaves where tolerances scatter much."""
 SHIFTS = (-2, -1, 0, 1, 2)
 BURSTS = 3.0
 """Mean energy over the quiet quarter's from which energy is not stationary."""
@@ -245,14 +248,22 @@ def _bursts(remains: Remains, j: int) -> Structure | None:
     return Structure(j, share * total, left, remains.residual[:, j], "bursts", "")
 
 
-def _loud(remains: Remains, j: int) -> Structure | None:
+def louder(remains: Remains) -> list[Structure]:
+    """Return the errors that are too loud to be left beside causes that are named."""
+    found = [_loud(remains, j, LOUDER, LEFT_SCATTER) for j in range(len(remains.outputs))]
+    return [s for s in found if s is not None]
+
+
+def _loud(
+    remains: Remains, j: int, least: float = LOUD, scatter: float = SCATTER
+) -> Structure | None:
     """Find an error far above all noise that is known, whatever it may depend on."""
     own, handed_on = remains.own[j], _mean_square(remains, remains.shaken[:, j], j)
     if own + handed_on == 0.0:
         return None
-    noise = own + INPUTS_NOISE * handed_on + (SCATTER * remains.floor[j]) ** 2
+    noise = own + INPUTS_NOISE * handed_on + (scatter * remains.floor[j]) ** 2
     total = _mean_square(remains, remains.residual[:, j], j)
-    if total < LOUD**2 * noise:
+    if total < least**2 * noise:
         return None
     return Structure(j, total - noise, noise, remains.residual[:, j], "loud", "")
 
