@@ -11,8 +11,8 @@ from steering_diagnosis.engine.catalogue import Catalogue, scale
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.model import Hypothesis
 
-FAR = 5.0
-"""Largest step, in typical sizes, of a hypothesis that has shapes only."""
+FAR = (4.0, 5.0, 6.0)
+"""Further steps, in typical sizes, of a hypothesis that has shapes only."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def _units(h: Hypothesis, free: tuple[int, ...], grid: Sequence[float]) -> list[
     if not all(h.parameters[i].shape for i in free):
         return [typical]
     room = np.array([h.parameters[i].high - h.parameters[i].neutral for i in free])
-    return [np.minimum(factor * typical, 0.9 * room) for factor in (*grid, FAR)]
+    return [np.minimum(factor * typical, 0.9 * room) for factor in (*grid, *FAR)]
 
 
 def _spoken_for(h: Hypothesis, unit: np.ndarray, grid: Sequence[float]) -> tuple[float, float]:
