@@ -49,7 +49,7 @@ SHARED_SCATTER = 15.0
 INPUTS_NOISE = 4.0
 """Energy that the inputs' noise may have in an output over that of another, white draw of it."""
 LOUD = 2.3
-"""Error over known noise, rms, from which it is structure. Clean records reach 1.7: noise is not
+"""Error over known noise, rms, from which it is structure. Clean records reach 2.2: noise is not
 quite white, and sensors drift."""
 LOUDER, LEFT_SCATTER = 3.5, 0.5
 """The same, and resolutions that count as noise, of what is left beside causes. Clean records reach
