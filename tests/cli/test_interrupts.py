@@ -51,7 +51,7 @@ def test_afterwards_an_interrupt_is_an_exception_again():
         signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.parametrize("handler", [signal.SIG_IGN, print])
+@pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL, print])
 def test_a_handler_of_somebody_else_stays(handler):
     before = signal.signal(signal.SIGINT, handler)
     try:

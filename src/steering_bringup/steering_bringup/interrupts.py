@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import threading
 from collections.abc import Iterator
 
 
@@ -16,13 +17,12 @@ def nothing_to_lose() -> Iterator[None]:
     A SIGINT that is ignored or has another handler stays as it is, as it does outside the main
     thread.
     """
-    usual = signal.default_int_handler
-    with contextlib.suppress(ValueError):
-        if signal.getsignal(signal.SIGINT) is usual:
-            signal.signal(signal.SIGINT, signal.SIG_DFL)
+    main = threading.current_thread() is threading.main_thread()
+    if not main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         yield
     finally:
-        with contextlib.suppress(ValueError):
-            if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
-                signal.signal(signal.SIGINT, usual)
+        signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -37,7 +37,11 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
             }
             zygote = stack.enter_context(Zygote(sorted(location(k).split(":")[0] for k in kinds)))
         with nothing_to_lose():
-            _prepare(plans)
+            for plan in plans:
+                check_physics(plan)
+            if graphs:
+                # Here, where Ctrl-C cannot be lost; it takes long enough.
+                import steering_lockstep.processes  # noqa: F401
         outcomes: list[Outcome] = []
         for plan in plans:
             if plan.bag is not None:
@@ -50,13 +54,6 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
             if not outcomes[-1].ok:
                 break
     return outcomes
-
-
-def _prepare(plans: Sequence[Plan]) -> None:
-    for plan in plans:
-        check_physics(plan)
-    if any(plan.manner.runner == "graph" for plan in plans):
-        import steering_lockstep.processes  # noqa: F401
 
 
 def make_folder(folder: Path) -> None:

@@ -94,15 +94,16 @@ class Left:
         explained = np.maximum(self.before - self.after, 0.0)
         weight = explained / self.noise
         found = []
-        seen = len(self.structures)
-        loud = louder(self.remains) if self.where == FITTED else []
-        for i, s in enumerate([*self.structures, *loud]):
+        known = [(s, exact) for s in self.structures]
+        if self.where == FITTED:
+            known += [(s, False) for s in louder(self.remains)]
+        for s, silent in known:
             share = s.energy / max(explained[s.output], 1e-300)
             main = weight[s.output] > CONCERNED * weight.sum()
             own = self.remains.outputs[s.output].balance in balances
             predicted = s.kind != "loud"
             enough = least if predicted else max(least, UNPREDICTED)
-            large = share > enough or (exact and i < seen and s.energy > LOUD * s.noise)
+            large = share > enough or (silent and s.energy > LOUD * s.noise)
             if large and (main or (own and predicted)) and self._in_band(s):
                 found.append(self._region(s, float(min(share, 1.0))))
         return found

@@ -29,9 +29,9 @@ KEPT = 0.8
 OWN = 0.5
 """Share of a cause's gain that has to be beyond what formulas of larger causes leave of them."""
 PAIRS = 3
-QUIETER = 0.7
-"""Share of a noise's root mean square from which another one is so much less that causes show."""
-QUIETER_TIMES = 6
+QUIETER, QUIETER_TIMES = 0.7, 6
+"""Share of a noise's root mean square from which another one is so much less that causes show; and
+searches in a quieter noise at most."""
 VERDICTS = 3
 """Rounds in the noise that the verdict leaves, at most."""
 
@@ -50,11 +50,9 @@ class Search:
     floor: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
-        noise = self.problem.noise(saturated(self.problem, self.start, self.trials))
-        self.floor = noise.rms**2
         self.critical = critical_ratio(self.problem.settings, len(self.trials))
         self._reduced: set[tuple[frozenset[str], str]] = set()
-        self._judge_in(noise, self.start)
+        self._search_in(self._left(self.start), self.start)
 
     @property
     def null(self) -> Fit:
@@ -108,21 +106,27 @@ class Search:
         much is left, and all that is smaller hides in it: then the search goes on in the noise
         that the catalogue leaves about the causes that came nearest.
         """
-        final = self._standing(self.improve(self._forward(self.null)))
+        final = self._searched(self.null)
         for _ in range(QUIETER_TIMES):
-            noise = self._quietest(final)
+            near = self.extended(final, self.problem.settings.refitted_next, FAR)
+            noise = min(map(self._left, (final, *near)), key=lambda n: float(np.log(n.sd).sum()))
             if not np.any(noise.rms < QUIETER * np.sqrt(self.floor)):
                 break
-            self.floor = noise.rms**2
-            final = self._forward(self._judge_in(noise, final))
-            final = self._standing(self.improve(final))
+            final = self._searched(self._search_in(noise, final))
         return final
 
-    def _quietest(self, final: Fit) -> Noise:
-        """Return the least noise that the catalogue leaves about a model or a neighbour of it."""
-        near = self.extended(final, self.problem.settings.refitted_next, FAR)
-        left = [saturated(self.problem, fit, self.trials) for fit in (final, *near)]
-        return min(map(self.problem.noise, left), key=lambda n: float(np.log(n.sd).sum()))
+    def _searched(self, begin: Fit) -> Fit:
+        """Return the model that a search from another one finds in the present noise."""
+        return self._standing(self.improve(self._forward(begin)))
+
+    def _left(self, fit: Fit) -> Noise:
+        """Return the noise that the catalogue leaves, linear about a model."""
+        return self.problem.noise(saturated(self.problem, fit, self.trials))
+
+    def _search_in(self, noise: Noise, best: Fit) -> Fit:
+        """Judge every model in a noise that the catalogue leaves. Return the best one's fit."""
+        self.floor = noise.rms**2
+        return self._judge_in(noise, best)
 
     def _within_resolution(self) -> bool:
         """Return whether a record without noise leaves nothing that two solvers would not."""
