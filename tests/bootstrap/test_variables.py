@@ -60,6 +60,12 @@ def test_discovery_stays_on_this_machine_unless_asked_otherwise(layout):
     assert variables.for_run(layout, ENV, WS, {name: "SUBNET"})[name] == "SUBNET"
 
 
+@pytest.mark.parametrize("name", ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"])
+def test_processes_that_share_the_cores_compute_in_one_thread_unless_asked_otherwise(layout, name):
+    assert variables.for_run(layout, ENV, WS, {})[name] == "1"
+    assert variables.for_run(layout, ENV, WS, {name: "4"})[name] == "4"
+
+
 def test_pip_ignores_settings_that_would_lead_it_astray(layout):
     base = {"PIP_USER": "1", "PIP_TARGET": "/x", "PIP_INDEX_URL": "mirror"}
     result = variables.for_build(layout, ENV, base)

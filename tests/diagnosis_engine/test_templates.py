@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from steering_diagnosis.engine.catalogue import catalogue
+from steering_diagnosis.engine.diagnose import begin
 from steering_diagnosis.engine.evaluate import Call, Evaluator
 from steering_diagnosis.engine.model import Hypothesis, HypothesisParameter, Nuisance, Output
 from steering_diagnosis.engine.sampling import sampling
@@ -60,3 +61,21 @@ def test_a_stop_far_from_the_nominal_one_is_seen():
     assert moved == [0.01 * f for f in FAR[1:]]
     far = [t for t in trials if t.unit[0] in moved]
     assert [(t.least, t.most) for t in far] == 2 * [(1.0, 1.0)]
+
+
+class Yielding(Stopped):
+    """A motion to 30 mm stopped at 24 mm by what gives way: no template is right at a contact."""
+
+    def residuals(self, nuisances, effects):
+        free = self.states()["position"]
+        met = 0.08 - 0.056
+        soft = np.where(free > met, met + 0.4 * (free - met), free)
+        noise = 2e-6 * np.random.default_rng(1).standard_normal(len(free))
+        return super().residuals(nuisances, effects) + (soft + noise)[:, None]
+
+
+def test_a_stop_that_gives_way_is_tried_although_its_template_gains_nothing():
+    search, _ = begin(Yielding())
+    scores = {s.hypothesis: s for s in search.scores(search.null)}
+    assert scores["stop"].removes > 0.3
+    assert any(fit.names == {"stop"} for fit in search.extended(search.null, 0))

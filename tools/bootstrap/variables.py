@@ -69,6 +69,10 @@ def for_run(
         [install / "lib", *libraries], result.get("LD_LIBRARY_PATH", "")
     )
     result.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # Processes share the cores. Threads for small matrices would only wait for one another, and
+    # their number would change the last digits.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        result.setdefault(name, "1")
     return result
 
 

@@ -50,7 +50,7 @@ class Sealed:
 
     sizes: of the hidden effects, in the truth's own terms. parameters: effect to the library's
     parameters that are judged. neutral: effect to their values without it. mistaken: effect to
-    those that this record cannot tell it from. ratios: signal to noise of each.
+    those that this record cannot tell it from. ratios: signal to noise of each beside the others.
     """
 
     case: str
@@ -220,14 +220,20 @@ def _hide(
         if size is None:
             return None
         sizes[name] = size
+    try:
+        seen_as = probe.beside(hidden, sizes)
+    except BenchError:
+        return None
+    if kind == "pair" and not all(_visible(e, seen, seen_as[n]) for n, e in hidden.items()):
+        return None
     judged = {n: e for n, e in hidden.items() if e.catalogued}
     return Sealed(
         **about,
         sizes=sizes,
         parameters=equivalents(system, {n: sizes[n] for n in judged}),
         neutral={name: neutral(system, name) for name in judged},
-        mistaken={n: [r for r in seen.mistaken(n, sizes[n]) if r in rivals] for n in hidden},
-        ratios={name: seen.ratio(name, size) for name, size in sizes.items()},
+        mistaken={n: [r for r in seen.mistaken(n, d) if r in rivals] for n, d in seen_as.items()},
+        ratios={name: seen.strength(difference) for name, difference in seen_as.items()},
     )
 
 

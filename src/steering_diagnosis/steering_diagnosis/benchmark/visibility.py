@@ -59,6 +59,10 @@ DRIVER_NOISE, LOAD_NOISE = 0.03, 3.0
 """Of the torque that the column needs [N m], mostly from differentiating, and of the load [N]."""
 
 
+Differences = dict[str, np.ndarray]
+"""By effect, whitened, (rows,) each."""
+
+
 @dataclass(frozen=True, repr=False)
 class Sensitivity:
     """Whitened differences: effects by name, (rows,) each; nuisances (rows, k)."""
@@ -67,18 +71,17 @@ class Sensitivity:
     sizes: Mapping[str, float]
     nuisances: np.ndarray
 
-    def without_nuisances(self, name: str) -> np.ndarray:
-        """Return an effect's difference d with |d|^2 = D' (1 + N N')^-1 D."""
-        return self._reduced(self.effects[name])
+    def strength(self, difference: np.ndarray) -> float:
+        """Return the signal-to-noise ratio of a whitened difference."""
+        return float(np.linalg.norm(self._reduced(difference)))
 
-    def ratio(self, name: str, size: float | None = None) -> float:
-        """Return the signal-to-noise ratio of an effect, linear in its size."""
-        scale = 1.0 if size is None else abs(size / self.sizes[name])
-        return float(np.linalg.norm(self.without_nuisances(name))) * scale
+    def ratio(self, name: str) -> float:
+        """Return the signal-to-noise ratio of an effect of its typical size."""
+        return self.strength(self.effects[name])
 
     def visible(self, difference: np.ndarray) -> bool:
         """Return whether a whitened difference is visible beside the nuisances."""
-        left, raw = np.linalg.norm(self._reduced(difference)), np.linalg.norm(difference)
+        left, raw = self.strength(difference), np.linalg.norm(difference)
         return bool(left >= (BEYOND if left < 0.05 * raw else VISIBLE))
 
     def outstanding(self, name: str, difference: np.ndarray) -> float:
@@ -100,14 +103,14 @@ class Sensitivity:
         needed = BEYOND if ratio < 0.05 * raw else VISIBLE
         return max(TRIFLE * typical, typical * needed / ratio)
 
-    def mistaken(self, name: str, size: float) -> list[str]:
-        """Return the effects that this record cannot tell from ``name``."""
-        d = self.without_nuisances(name) * abs(size / self.sizes[name])
+    def mistaken(self, name: str, difference: np.ndarray) -> list[str]:
+        """Return the effects that this record cannot tell from ``name`` with this difference."""
+        d = self._reduced(difference)
         found = []
         for rival in self.effects:
             if rival == name:
                 continue
-            r = self.without_nuisances(rival)
+            r = self._reduced(self.effects[rival])
             length = float(np.linalg.norm(r))
             if length < 1e-9:
                 continue
@@ -117,6 +120,7 @@ class Sensitivity:
         return found
 
     def _reduced(self, d: np.ndarray) -> np.ndarray:
+        """Return a difference after the nuisances: the d with |d|^2 = D' (1 + N N')^-1 D."""
         u, sv, _ = self._svd
         along = u.T @ d
         return np.asarray(d - u @ (along * (1.0 - 1.0 / np.sqrt(1.0 + sv * sv))))
@@ -168,6 +172,19 @@ class Probe:
         return self.difference(
             changed(self.specimen, self.nominal, self.system, {effect.name: size})
         )
+
+    def beside(self, hidden: Mapping[str, TrueEffect], sizes: Mapping[str, float]) -> Differences:
+        """Return the whitened change by each effect where all others are there as well."""
+        made = changed(self.specimen, self.nominal, self.system, sizes)
+        found = {}
+        for name, effect in hidden.items():
+            if effect.name == "tyre_relaxation":
+                found[name] = self._tyre(sizes[name])
+                continue
+            others = {n: size for n, size in sizes.items() if n != name}
+            without = changed(self.specimen, self.nominal, self.system, others)
+            found[name] = self.rows(made) - self.rows(without)
+        return found
 
     def _felt(self, specimen: Specimen) -> Signals:
         """Return the inputs that must have been true for the same readings on another specimen."""

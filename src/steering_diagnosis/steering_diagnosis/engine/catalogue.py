@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -43,6 +43,11 @@ class Catalogue:
     def nuisance_of(self, hypothesis: str) -> str | None:
         """Return the nuisance that the hypothesis ``parameter:...`` is about."""
         return hypothesis.removeprefix(PREFIX) if hypothesis.startswith(PREFIX) else None
+
+    def replaced(self, hypotheses: Iterable[str]) -> list[int]:
+        """Return the positions of the nuisances that these hypotheses replace."""
+        names = {n for h in hypotheses for n in self.hypotheses[h].replaces}
+        return sorted(self.index[n] for n in names if n in self.index)
 
     def call(self, z: np.ndarray, values: Values) -> Call:
         """Return the call for nuisances ``z`` [standard deviations] and active hypotheses."""
@@ -90,6 +95,7 @@ def _wrong_parameter(n: Nuisance, balance: str) -> Hypothesis:
         balance,
         (parameter,),
         competes=(n.name,),
+        replaces=(n.name,),
     )
 
 

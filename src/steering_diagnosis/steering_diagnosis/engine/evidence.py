@@ -166,8 +166,10 @@ def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
             break
         at += len(value)
     sd, _ = spread.deviation(at + k)
-    least = max(abs(unit[k]) - SURE * sd, 0.0)
-    return least > _tolerated(problem, full, cause, k), float(abs(unit[k]))
+    tolerated = _tolerated(problem, full, cause, k)
+    # The tolerance is two standard deviations of what is compared with the estimate.
+    least = max(abs(unit[k]) - SURE * float(np.hypot(sd, 0.5 * tolerated)), 0.0)
+    return least > tolerated, float(abs(unit[k]))
 
 
 def at_bound(problem: Problem, full: Fit, cause: str) -> bool:

@@ -219,12 +219,9 @@ def misfit(fit: Fit) -> float:
 
 
 def held(book: Catalogue, z: np.ndarray, values: Values) -> np.ndarray:
-    """Return nuisances with those at nominal that a hypothesis is about."""
+    """Return nuisances with those at nominal that a hypothesis replaces."""
     z = z.copy()
-    for name in values:
-        nuisance = book.nuisance_of(name)
-        if nuisance is not None:
-            z[book.index[nuisance]] = 0.0
+    z[book.replaced(values)] = 0.0
     return z
 
 
@@ -296,10 +293,8 @@ def gauss_newton(
     slope[:p] -= now.z
     energy += float(now.z @ now.z)
     low, high = np.full(p, -FURTHEST) - now.z, np.full(p, FURTHEST) - now.z
-    for name in names:
-        wrong = book.nuisance_of(name)
-        if wrong is not None:
-            low[book.index[wrong]], high[book.index[wrong]] = -1e-9, 1e-9
+    at_nominal = book.replaced(names)
+    low[at_nominal], high[at_nominal] = -1e-9, 1e-9
     for name, u in zip(names, unit, strict=True):
         least, most = bounds(book.hypotheses[name])
         fixed = fixed_sizes(problem, name, len(u))

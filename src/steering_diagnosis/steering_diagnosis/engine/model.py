@@ -53,10 +53,11 @@ class Hypothesis:
     """One physical cause.
 
     balance: where it acts. competes: nuisances that express the same thing within tolerance; it is
-    named only beyond that. excitation: what a record needs to show it. summary: for the report.
-    separating: text of an experiment that tells it from what looks alike, where the effect knows.
-    exact: its formula is the only one there is (an offset, a gain, a mass), so that a large one
-    leaves nothing for others to fit.
+    named only beyond that. replaces: those of them that are the very same, and stay nominal where
+    it is active: its own parameter is what they would be. excitation: what a record needs to show
+    it. summary: for the report. separating: text of an experiment that tells it from what looks
+    alike, where the effect knows. exact: its formula is the only one there is (an offset, a gain, a
+    mass), so that a large one leaves nothing for others to fit.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Hypothesis:
     balance: str
     parameters: tuple[HypothesisParameter, ...]
     competes: tuple[str, ...] = ()
+    replaces: tuple[str, ...] = ()
     excitation: str = ""
     separating: str = ""
     exact: bool = False

@@ -6,30 +6,35 @@ Nuisances and the causes already found are projected out of every template (scor
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from steering_diagnosis.engine.catalogue import bounds
 from steering_diagnosis.engine.fit import FURTHEST, Fit, Problem, assess, bounded, normal_equations
+from steering_diagnosis.engine.noise import mean_square
 from steering_diagnosis.engine.templates import Template
 
 PAIR_LEAD = 1.1
 """A pair has to beat the best single hypothesis by this factor."""
 FIXED = 1e9
 """Prior weight of a nuisance that cannot move."""
+REMOVES = 0.1
+"""Share of the error, mean of the outputs, that a template of shapes alone has to remove as it is
+to be refitted whatever its gain."""
 WIDE = 3.0
 """In the saturated model every template is free with this prior standard deviation."""
 
 
 @dataclass(frozen=True)
 class Score:
-    """A screened template. gain: in misfit. start: nuisances and values to refit from."""
+    """A screened template. gain: in misfit. z, values: to refit from. removes: ``_removing``."""
 
     hypothesis: str
     gain: float
     z: np.ndarray
     values: dict[str, np.ndarray]
+    removes: float = 0.0
 
 
 def active_columns(now: Fit) -> np.ndarray:
@@ -67,8 +72,30 @@ def screen(problem: Problem, now: Fit, trials: Sequence[Template]) -> list[Score
     for i in np.argsort(-gains):
         best.setdefault(trials[i].hypothesis, int(i))
     chosen = list(best.values())[: problem.settings.screened]
-    scores = [start_of(problem, now, trials[i]) for i in chosen]
-    return sorted(scores, key=lambda s: (-s.gain, s.hypothesis))
+    scores = {trials[i].hypothesis: start_of(problem, now, trials[i]) for i in chosen}
+    for share, trial in _removing(problem, now, trials):
+        scores[trial.hypothesis] = replace(start_of(problem, now, trial), removes=share)
+    return sorted(scores.values(), key=lambda s: (-s.gain, s.hypothesis))
+
+
+def _removing(
+    problem: Problem, now: Fit, trials: Sequence[Template]
+) -> list[tuple[float, Template]]:
+    """Return for each hypothesis of shapes alone what its best template removes, where it is much.
+
+    A stop that is softer than its template is off at every contact: in coloured noise, where slow
+    errors weigh little, the template gains nothing although most of the error is gone.
+    """
+    rows = problem.valid & problem.training
+    before = np.maximum(mean_square(now.residual, rows), 1e-300)
+    best: dict[str, tuple[float, Template]] = {}
+    for trial in trials:
+        if all(p.shape for p in problem.book.hypotheses[trial.hypothesis].parameters):
+            left = now.residual + problem.known_columns(trial)[..., 0]
+            share = float(np.mean(1.0 - mean_square(left, rows) / before))
+            if share > best.get(trial.hypothesis, (REMOVES, trial))[0]:
+                best[trial.hypothesis] = share, trial
+    return list(best.values())
 
 
 def pairs(

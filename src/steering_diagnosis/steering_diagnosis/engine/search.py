@@ -201,9 +201,10 @@ class Search:
         gain = max((s.gain for s in scores), default=0.0)
         worth = max((self._worth(s) for s in scores), default=0.0)
         found = []
-        for s in scores[:most]:
+        for i, s in enumerate(scores):
             large = s.gain > close * gain or self._worth(s) > close * worth
-            if large and s.gain > HOPELESS * self.critical:
+            gains = i < most and large and s.gain > HOPELESS * self.critical
+            if gains or s.removes:
                 names = now.names | {s.hypothesis}
                 found.append(self.fits.get(names) or self._fit_beyond(now, s))
                 self.report(s.hypothesis)

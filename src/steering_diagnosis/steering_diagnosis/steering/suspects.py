@@ -149,6 +149,7 @@ def _hypothesis(effect: Effect, valve_system: str, nuisance_names: set[str]) -> 
             for name, p in effect.acting(valve_system).items()
         ),
         competes=tuple(dict.fromkeys(name for name in competing if name in nuisance_names)),
+        replaces=tuple(n for n in effect.sheet_parameters if n in nuisance_names),
         excitation=effect.excitation,
         separating=effect.separating,
         exact=any(part in effect.name for part in EXACT),
