@@ -55,7 +55,7 @@ def test_what_the_inputs_noise_does_is_known_without_knowing_the_noise(system):
     signals = run_closed_loop(specimen, NOMINAL, course, system == "closed_centre", noise)
     record = record_of(signals, NOMINAL, system, "bicycle", "truth")
     replay = SteeringReplay(record)
-    residuals, shaken = replay.residuals({}, {}), replay.shaken()
+    residuals, shaken = replay.residuals({}, {}), replay.shaken({}, {})
     for name in ("torsion_bar_torque", "left_pressure", "rack_position"):
         column = [o.name for o in replay.outputs].index(name)
         added = noise[:, list(MEASURED).index(name)]

@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sled import SledReplay, record
 
+from steering_diagnosis.engine.diagnose import begin
 from steering_diagnosis.engine.model import Hypothesis, Output
-from steering_diagnosis.engine.remaining import Left
+from steering_diagnosis.engine.remaining import Left, left_by
 from steering_diagnosis.engine.structure import Remains, Structure
 
 STEP_S = 5e-3
@@ -106,3 +108,19 @@ def test_what_a_second_record_does_not_show_is_told_of_the_first() -> None:
     left = _left(0.9, 0.0)
     told = left.unconfirmed(np.column_stack([EXPLAINED, 0.01 * EXPLAINED]))
     assert [r.output for r in told] == ["torque"]
+
+
+class Ringing(SledReplay):
+    """A sled on which the inputs' noise shakes one model only."""
+
+    def shaken(self, nuisances, effects):
+        return np.full_like(self.measured, 0.5 if "drag" in effects else 0.0)
+
+
+def test_a_model_is_judged_beside_the_noise_that_it_hands_on():
+    made = record(5, drag=800.0)
+    search, block = begin(Ringing(made.drive, made.load, made.measured))
+    (nominal,) = left_by(search, search.null, block)
+    (dragged,) = left_by(search, search.best(), block)
+    assert not nominal.remains.shaken.any()
+    assert dragged.remains.shaken == pytest.approx(0.5, rel=0.01)

@@ -41,7 +41,7 @@ class Spring:
         force = nuisances.get("stiffness", 10.0) * factor * LENGTH + nuisances.get("zero", 0.0)
         return (10.0 * self.true * LENGTH + NOISE - force)[:, None]
 
-    def shaken(self):
+    def shaken(self, nuisances, effects):
         return np.zeros((len(LENGTH), 1))
 
     def noise(self):

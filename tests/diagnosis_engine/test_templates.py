@@ -34,7 +34,7 @@ class Stopped:
         at = 0.08 - effects.get("stop", {}).get("earlier", 0.0)
         return -nuisances.get("gain", 1.0) * np.minimum(self.states()["position"], at)[:, None]
 
-    def shaken(self):
+    def shaken(self, nuisances, effects):
         return np.zeros((2000, 1))
 
     def noise(self):

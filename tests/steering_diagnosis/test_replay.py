@@ -97,6 +97,14 @@ def test_sensor_effects_need_no_new_simulation(noisy):
     assert noisy.simulation.count == count + 1
 
 
+def test_the_inputs_noise_shakes_the_model_in_question():
+    """A heavier rack, less damped, rings on what leaves the nominal one quiet."""
+    replay = SteeringReplay(bench_record("open_centre", noise=NOISE))
+    nominal, heavy = (replay.shaken({}, e) for e in ({}, {"rack_mass": {"added": 60.0}}))
+    speed = [o.name for o in replay.outputs].index("rack_speed")
+    assert np.nanstd(heavy[:, speed]) > 1.5 * np.nanstd(nominal[:, speed])
+
+
 def test_it_is_deterministic_and_travels_to_other_processes(noisy):
     there = pickle.loads(pickle.dumps(noisy))
     effects = {"rack_viscous_damping": {"added": 200.0}}

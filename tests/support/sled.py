@@ -128,7 +128,9 @@ class SledReplay:
         )
         return self.measured - predicted
 
-    def shaken(self) -> np.ndarray:
+    def shaken(
+        self, nuisances: Mapping[str, float], effects: Mapping[str, Mapping[str, float]]
+    ) -> np.ndarray:
         return np.zeros_like(self.measured)
 
     def noise(self) -> np.ndarray:

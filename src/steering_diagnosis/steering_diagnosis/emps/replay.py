@@ -185,7 +185,7 @@ class AxisReplay:
         error[self.unjudged] = np.nan
         return error[:, None]
 
-    def shaken(self) -> np.ndarray:
+    def shaken(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return zeros, (n, 1): an encoder's position has hardly any noise."""
         return np.zeros((len(self.motion.position), 1))
 

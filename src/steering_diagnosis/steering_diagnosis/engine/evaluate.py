@@ -54,8 +54,13 @@ class Evaluator:
 
     @cached_property
     def shaken(self) -> np.ndarray:
-        """What another draw of the inputs' noise changes, (n, outputs), unknown samples zero."""
-        return np.nan_to_num(self.grid.reduce(self.replay.shaken()))
+        """What another draw of the inputs' noise changes in the nominal model, (n, outputs)."""
+        return self.shaken_in(Call())
+
+    def shaken_in(self, call: Call) -> np.ndarray:
+        """Return the same in another model, (n, outputs), unknown samples zero."""
+        changed = self.replay.shaken(call.nuisances, call.effects)
+        return np.nan_to_num(self.grid.reduce(changed))
 
     @cached_property
     def own(self) -> np.ndarray:

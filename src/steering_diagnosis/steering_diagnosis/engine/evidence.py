@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,7 +71,7 @@ class HeldOut:
         return mean_square(residual, self.rows & self.valid)
 
 
-ALIKE = 0.9
+ALIKE = 0.98
 """A nuisance expresses a hypothesis from this cosine of their whitened traces."""
 
 
@@ -166,10 +167,10 @@ def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
             break
         at += len(value)
     sd, _ = spread.deviation(at + k)
-    tolerated = _tolerated(problem, full, cause, k)
-    # The tolerance is two standard deviations of what is compared with the estimate.
-    least = max(abs(unit[k]) - SURE * float(np.hypot(sd, 0.5 * tolerated)), 0.0)
-    return least > tolerated, float(abs(unit[k]))
+    # A nuisance that the cause replaces stays nominal, but is not known to be so.
+    replaced = 0.5 * _tolerated(problem, full, cause, k, h.replaces)
+    least = max(abs(unit[k]) - SURE * float(np.hypot(sd, replaced)), 0.0)
+    return least > _tolerated(problem, full, cause, k, h.competes), float(abs(unit[k]))
 
 
 def at_bound(problem: Problem, full: Fit, cause: str) -> bool:
@@ -182,13 +183,12 @@ def at_bound(problem: Problem, full: Fit, cause: str) -> bool:
     return False
 
 
-def _tolerated(problem: Problem, full: Fit, cause: str, k: int) -> float:
-    """Return the size [typical sizes] that the competing nuisances express within tolerance."""
-    h = problem.book.hypotheses[cause]
+def _tolerated(problem: Problem, full: Fit, cause: str, k: int, nuisances: Sequence[str]) -> float:
+    """Return the size [typical sizes] of a cause that these nuisances express within tolerance."""
     weights = problem.weights()
     column = (full.noise.whiten(full.columns[cause][..., k]) * weights).ravel()
     reach = 0.0
-    for name in h.competes:
+    for name in nuisances:
         if name in problem.book.index and column @ column > 0.0:
             whole = problem.nuisance[..., problem.book.index[name]]
             one = (full.noise.whiten(whole) * weights).ravel()

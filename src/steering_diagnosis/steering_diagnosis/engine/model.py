@@ -103,10 +103,10 @@ class Replay(Protocol):
         nuisances: absolute values of those that differ from nominal.
         """
 
-    def shaken(self) -> np.ndarray:
+    def shaken(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return what another draw of the inputs' noise changes in the residuals, (n, outputs).
 
-        Zeros where inputs have none. No model can explain that.
+        Arguments as for ``residuals``. Zeros where inputs have none. No model can explain that.
         """
 
     def noise(self) -> np.ndarray:

@@ -123,14 +123,14 @@ def left_by(search: Search, best: Fit, block: np.ndarray) -> list[Left]:
     """Return what the best model leaves on the fitted record and on a second one."""
     p, held = search.problem, search.held
     null = search.null.residual
-    found = [_left(search, p.runs, best.residual, null, p.valid, block, FITTED)]
+    found = [_left(search, best, p.runs, best.residual, null, p.valid, block, FITTED)]
     if held.runs is not None:
         residual = held.residual(p, best)
         shift, _ = within_tolerance(search, residual, best.z)
         left = residual + search.held_nuisance @ shift
         before = held.residual(p, search.null)
         found.append(
-            _left(search, held.runs, left, before, held.valid, held.block, "held-out record")
+            _left(search, best, held.runs, left, before, held.valid, held.block, "held-out record")
         )
     return found
 
@@ -190,6 +190,7 @@ def _shifted(
 
 def _left(
     search: Search,
+    best: Fit,
     runs: Evaluator,
     residual: np.ndarray,
     before: np.ndarray,
@@ -208,7 +209,7 @@ def _left(
         p.floor,
         p.settings.noise_order,
         runs.grid.density,
-        runs.shaken,
+        runs.shaken_in(p.book.call(best.z, best.values)),
         runs.own,
     )
     found = structures(remains)

@@ -146,8 +146,11 @@ class SteeringReplay:
             [p.residual(run) if p.there(self.drive) else nothing for p in self._predicted]
         )
 
-    def shaken(self) -> np.ndarray:
-        """Return what another draw of the inputs' noise changes in the errors, (n, outputs)."""
+    def shaken(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
+        """Return what another draw of the inputs' noise changes in the errors, (n, outputs).
+
+        Of the model in question: a heavier rack may ring where the nominal one is well damped.
+        """
         random = np.random.default_rng(0)
         added = {
             name: spectrum(bridged(self.record[name])).noise
@@ -158,7 +161,8 @@ class SteeringReplay:
         channels = {name: x + added.get(name, 0.0) for name, x in self.record.channels.items()}
         other = SteeringReplay(replace(self.record, channels=channels), like=self)
         own = [added.get(o.name, np.zeros(len(self.record))) for o in self.outputs]
-        changed = other.errors({}, {}) - self.errors({}, {}) - np.column_stack(own)
+        changed = other.errors(nuisances, effects) - self.errors(nuisances, effects)
+        changed -= np.column_stack(own)
         changed[~self.judged] = np.nan
         return changed
 
