@@ -9,6 +9,7 @@ import pytest
 from sled import SledReplay, record
 
 from steering_diagnosis.engine.diagnose import begin
+from steering_diagnosis.engine.evidence import handed_on
 from steering_diagnosis.engine.model import Hypothesis, Output
 from steering_diagnosis.engine.remaining import Left, left_by
 from steering_diagnosis.engine.structure import Remains, Structure
@@ -124,3 +125,22 @@ def test_a_model_is_judged_beside_the_noise_that_it_hands_on():
     (dragged,) = left_by(search, search.best(), block)
     assert not nominal.remains.shaken.any()
     assert dragged.remains.shaken == pytest.approx(0.5, rel=0.01)
+
+
+class Quieter(SledReplay):
+    """A sled on which a cause takes away what the inputs' noise shakes."""
+
+    def shaken(self, nuisances, effects):
+        noise = 1e-4 * np.random.default_rng(2).standard_normal(self.measured.shape)
+        return np.zeros_like(noise) if "drag" in effects else noise
+
+
+@pytest.mark.parametrize(("kind", "counts"), [(Quieter, True), (Ringing, False)])
+def test_to_hand_on_less_noise_is_no_evidence(kind, counts):
+    made = record(5, drag=800.0)
+    search, _ = begin(kind(made.drive, made.load, made.measured))
+    full = search.fit(frozenset({"drag"}), search.null.z, {"drag": np.array([700.0])})
+    gain = search.null.misfit - full.misfit
+    noise = handed_on(search.problem, search.null) if counts else 0.0
+    assert (noise > 0.0) == counts
+    assert search.weigh(search.null, full).ratio == pytest.approx(gain - noise)

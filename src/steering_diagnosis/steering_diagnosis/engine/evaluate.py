@@ -51,6 +51,7 @@ class Evaluator:
         self._executor = executor
         self._on_call = on_call
         self._last: dict[tuple[object, ...], np.ndarray] = {}
+        self._shaken: dict[tuple[object, ...], np.ndarray] = {}
 
     @cached_property
     def shaken(self) -> np.ndarray:
@@ -59,8 +60,10 @@ class Evaluator:
 
     def shaken_in(self, call: Call) -> np.ndarray:
         """Return the same in another model, (n, outputs), unknown samples zero."""
-        changed = self.replay.shaken(call.nuisances, call.effects)
-        return np.nan_to_num(self.grid.reduce(changed))
+        if call.key not in self._shaken:
+            changed = self.replay.shaken(call.nuisances, call.effects)
+            self._shaken[call.key] = np.nan_to_num(self.grid.reduce(changed))
+        return self._shaken[call.key]
 
     @cached_property
     def own(self) -> np.ndarray:

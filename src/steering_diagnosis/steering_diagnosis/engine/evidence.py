@@ -10,9 +10,9 @@ from scipy import stats
 
 from steering_diagnosis.engine.catalogue import scales
 from steering_diagnosis.engine.evaluate import Evaluator
-from steering_diagnosis.engine.fit import Fit, Problem, whitened
+from steering_diagnosis.engine.fit import Fit, Problem, energy, whitened
 from steering_diagnosis.engine.intervals import covariance
-from steering_diagnosis.engine.noise import Noise, fit_noise, mean_square, usable
+from steering_diagnosis.engine.noise import INPUTS_NOISE, Noise, fit_noise, mean_square, usable
 from steering_diagnosis.engine.sampling import blocks
 from steering_diagnosis.engine.settings import Settings
 
@@ -79,7 +79,8 @@ ALIKE = 0.98
 class Evidence:
     """What speaks for a cause.
 
-    ratio: twice the log-likelihood ratio. gains: the same of each output, (outputs,). p_value:
+    ratio: twice the log-likelihood ratio, without what a model gains that hands on less of the
+    inputs' noise. gains: the same of each output, (outputs,). p_value:
     family-wise. delta_bic: negative speaks for it. sigmas: held-out gain over its standard error.
     share: of the error energy above the noise that the present model leaves; material: the same of
     the best single output. why_not: empty if real.
@@ -120,7 +121,8 @@ def weigh(
     """
     s = problem.settings
     k = sum(len(v) for v in full.values.values()) - sum(len(v) for v in without.values.values())
-    ratio = without.misfit - full.misfit
+    quieter = handed_on(problem, without) - handed_on(problem, full)
+    ratio = without.misfit - full.misfit - max(quieter, 0.0)
     p = family_p(ratio, max(k, 1), trials, s.inflation)
     bic = -ratio + max(k, 1) * np.log(max(full.noise.count.max(), 2.0))
     before, after = held.residual(problem, without), held.residual(problem, full)
@@ -148,6 +150,16 @@ def weigh(
     parts = [whitened(problem, full.noise, fit.residual) ** 2 for fit in (without, full)]
     gains = parts[0].sum(axis=0) - parts[1].sum(axis=0)
     return Evidence(ratio, gains, p, float(bic), sigmas, share, material, why)
+
+
+def handed_on(problem: Problem, fit: Fit) -> float:
+    """Return the energy that the inputs' noise may have in a model, in units of the noise.
+
+    A model that hands on less fits better by that, whether it is right or not: with a force sensor
+    that reads too much, a load cell's noise shakes the rack less.
+    """
+    shaken = problem.known(problem.runs.shaken_in(problem.book.call(fit.z, fit.values)))
+    return INPUTS_NOISE * energy(problem, fit.noise, shaken)
 
 
 def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:

@@ -16,6 +16,9 @@ WHITE_SHARE = 0.05
 """Of a residual's energy that is always taken as white. It bounds what whitening takes out of slow
 errors: a constant offset would else be noise with a root near one, and explain itself away."""
 
+INPUTS_NOISE = 4.0
+"""Energy that the inputs' noise may have in an output over that of another, white draw of it."""
+
 
 @dataclass(frozen=True)
 class Noise:

@@ -28,7 +28,7 @@ from steering_diagnosis.engine.basis import (
 )
 from steering_diagnosis.engine.evidence import certainty
 from steering_diagnosis.engine.model import Output
-from steering_diagnosis.engine.noise import Noise, fit_noise, usable
+from steering_diagnosis.engine.noise import INPUTS_NOISE, Noise, fit_noise, usable
 
 FOLDS = 4
 RIDGE = 1e-2
@@ -46,8 +46,6 @@ NEXT_TO_NONE, NOISELESS = 0.1, 2.0
 and goes with the motion, is all there is, and structure is visible from so much more."""
 SHARED_SCATTER = 15.0
 """An error that outputs share counts from so many resolutions: a third of the scatter."""
-INPUTS_NOISE = 4.0
-"""Energy that the inputs' noise may have in an output over that of another, white draw of it."""
 LOUD = 2.3
 """Error over known noise, rms, from which it is structure. Clean records reach 2.2: noise is not
 quite white, and sensors drift."""

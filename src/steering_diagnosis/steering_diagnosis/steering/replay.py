@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from uuid import uuid4
 
 import numpy as np
@@ -149,8 +150,22 @@ class SteeringReplay:
     def shaken(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return what another draw of the inputs' noise changes in the errors, (n, outputs).
 
-        Of the model in question: a heavier rack may ring where the nominal one is well damped.
+        Of the model in question: a heavier rack may ring where the nominal one is well damped; of
+        the nominal one where such noise drives the plant out of what is possible.
         """
+        other, own = self._shaken_twin
+        try:
+            changed = other.errors(nuisances, effects) - self.errors(nuisances, effects) - own
+        except BenchError:
+            if not nuisances and not effects:
+                raise
+            return self.shaken({}, {})
+        changed[~self.judged] = np.nan
+        return changed
+
+    @cached_property
+    def _shaken_twin(self) -> tuple[SteeringReplay, np.ndarray]:
+        """Return a replay whose inputs have more noise, and that of the outputs, (n, outputs)."""
         random = np.random.default_rng(0)
         added = {
             name: spectrum(bridged(self.record[name])).noise
@@ -159,12 +174,9 @@ class SteeringReplay:
             if name in self.record
         }
         channels = {name: x + added.get(name, 0.0) for name, x in self.record.channels.items()}
-        other = SteeringReplay(replace(self.record, channels=channels), like=self)
         own = [added.get(o.name, np.zeros(len(self.record))) for o in self.outputs]
-        changed = other.errors(nuisances, effects) - self.errors(nuisances, effects)
-        changed -= np.column_stack(own)
-        changed[~self.judged] = np.nan
-        return changed
+        twin = SteeringReplay(replace(self.record, channels=channels), like=self)
+        return twin, np.column_stack(own)
 
     def noise(self) -> np.ndarray:
         """Return the white noise of each output's channel, standard deviation, (outputs,)."""
