@@ -1,8 +1,12 @@
 """A further cause shows more than a leftover of the first one, and in several moments."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from sled import record
 
+from steering_diagnosis.engine.diagnose import begin
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, certainty
 from steering_diagnosis.engine.noise import fit_noise
 from steering_diagnosis.engine.sampling import moments
@@ -30,8 +34,8 @@ FIRST = gaining(2e6, 1e4, 0.0)
     ids=["a leftover", "large enough", "in an output of its own", "mostly there", "elsewhere too"],
 )
 def test_a_leftover_gains_where_another_cause_gains_far_more(gains, expected):
-    assert leftover(gaining(*gains), [FIRST], Settings().leaves) is expected
-    assert not leftover(gaining(*gains), [], Settings().leaves)
+    assert leftover(gaining(*gains), [Settings().leaves * FIRST.gains]) is expected
+    assert not leftover(gaining(*gains), [])
 
 
 def test_a_gain_in_a_few_moments_is_certain_and_one_spike_is_not():
@@ -59,3 +63,14 @@ def test_one_event_is_certain_where_several_outputs_feel_it(outputs):
     gain = held.scores(noise, before) - held.scores(noise, after)
     assert gain.shape == (5 * (moment[-1] + 1),)
     assert (certainty(gain) > settings.held_out_sigmas) == (outputs > 1)
+
+
+@pytest.mark.parametrize(("place", "expected"), [("sled", True), ("spring", False)])
+def test_the_formula_of_a_law_leaves_more_in_its_own_balance(place, expected):
+    search, _ = begin(record(5))
+    hypotheses = dict(search.problem.book.hypotheses)
+    hypotheses["stribeck"] = replace(hypotheses["stribeck"], balance=place)
+    book = replace(search.problem.book, hypotheses=hypotheses)
+    search.problem = replace(search.problem, book=book)
+    found = {"drag": FIRST, "stribeck": gaining(4e3, 0.0, 0.0)}
+    assert leftover(found["stribeck"], search._leave(found, "stribeck")) is expected

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -313,9 +313,6 @@ class Search:
                 found.append(now)
         return found
 
-    def _exact(self, name: str) -> bool:
-        return self.problem.book.hypotheses[name].exact
-
     def _sound(self, full: Fit) -> bool:
         """Return whether every cause of a model is real given the others."""
         return all(not self.weigh(self.without(full, n), full).why_not for n in sorted(full.names))
@@ -323,22 +320,29 @@ class Search:
     def _without_weakest(self, full: Fit) -> Fit | None:
         """Backward elimination: drop the weakest cause that is not real."""
         found = {n: self.weigh(self.without(full, n), full) for n in sorted(full.names)}
-        inexact = [e for n, e in found.items() if not self._exact(n)]
         weak = [
             (e.ratio, n)
             for n, e in found.items()
-            if e.why_not or leftover(e, inexact, self.problem.settings.leaves)
+            if e.why_not or leftover(e, self._leave(found, n))
         ]
         return self.without(full, min(weak)[1]) if weak else None
 
+    def _leave(self, found: Mapping[str, Evidence], name: str) -> list[np.ndarray]:
+        """Return what the formulas of larger causes may leave for one, (outputs,) each."""
+        s, known = self.problem.settings, self.problem.book.hypotheses
+        return [
+            e.gains * (s.leaves_near if known[n].balance == known[name].balance else s.leaves)
+            for n, e in found.items()
+            if not known[n].exact and e.ratio > found[name].ratio
+        ]
 
-def leftover(cause: Evidence, inexact: Sequence[Evidence], leaves: float) -> bool:
-    """Return whether a cause fits what the formula of a larger one leaves of it.
 
-    inexact: causes with another formula than the truth's. leaves: share of what they gain in an
-    output that may remain of them there. Not more than half of a leftover's gain is beyond that.
+def leftover(cause: Evidence, left: Sequence[np.ndarray]) -> bool:
+    """Return whether a cause fits what the formulas of larger ones leave of them.
+
+    left: gains that each of them may leave, (outputs,). Not more than half of a leftover's gain is
+    beyond that.
     """
-    larger = [e.gains for e in inexact if e.ratio > cause.ratio]
     gained = np.maximum(cause.gains, 0.0)
-    left = leaves * np.max([np.zeros_like(gained), *larger], axis=0)
-    return bool(np.maximum(gained - left, 0.0).sum() < OWN * gained.sum())
+    most = np.max([np.zeros_like(gained), *left], axis=0)
+    return bool(np.maximum(gained - most, 0.0).sum() < OWN * gained.sum())

@@ -63,6 +63,8 @@ class Settings:
     leaves: float = 5e-4
     """Share of what a cause gains in an output that may remain there, because the truth follows
     another formula."""
+    leaves_near: float = 5e-3
+    """The same for causes of one balance: there another formula of a law looks like one of them."""
     least_size: float = 0.09
     """Of a hypothesis's visible (typical) size; smaller ones are not named."""
     least_explained: float = 0.45
