@@ -19,7 +19,7 @@ from steering_core.naming import unknown
 from steering_diagnosis.benchmark.cases import KINDS
 from steering_diagnosis.benchmark.methods import NAMED
 from steering_diagnosis.benchmark.page import benchmark_page, rate_row
-from steering_diagnosis.benchmark.runner import Job, calibrate, plan, run_jobs
+from steering_diagnosis.benchmark.runner import NOT_DRAWN, Job, calibrate, plan, run_jobs
 from steering_diagnosis.benchmark.scoring import Judgement, confusion, rates
 from steering_diagnosis.running import Steps, pool
 from steering_diagnosis.steering.clean_gains import largest
@@ -92,7 +92,8 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
         print(f"{what:48}{value:>8}  [{interval:13}] of {counted:>3}   target {target}")
     failures = [j for j in judgements if j.failure]
     for j in failures[:5]:
-        print(f"{j.case}: the method failed: {j.failure}")
+        what = "" if j.kind == NOT_DRAWN else "the method failed: "
+        print(f"{j.case}: {what}{j.failure}")
     page = asked.page or (asked.records / "benchmark.html" if asked.records else None)
     if page is not None:
         benchmark_page(asked.method, rates(judgements), confusion(judgements), judgements).write(

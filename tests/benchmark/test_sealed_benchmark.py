@@ -151,6 +151,16 @@ def test_a_case_is_solved_once_and_its_bag_does_not_tell_its_kind(tmp_path):
     assert kept.read_bytes() == before
 
 
+def test_a_case_that_cannot_be_drawn_is_told_and_counted_nowhere(tmp_path, monkeypatch):
+    def prepare(job, folder):
+        raise BenchError(f"no record of seed {job.seed} shows it")
+
+    monkeypatch.setattr("steering_diagnosis.benchmark.runner.prepare", prepare)
+    judgement = solve(Job("visible", 7), "baseline", tmp_path)
+    assert judgement.failure == "no record of seed 7 shows it"
+    assert all(rate.n == 0 for rate in rates([judgement]))
+
+
 def test_a_changed_seal_is_refused(tmp_path):
     file = tmp_path / "sealed.json"
     ONE.write(file)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from steering_core.parameters import load_parameters
-from steering_diagnosis.benchmark.cases import draw_case
+from steering_diagnosis.benchmark.cases import draw_case, seen_as
 from steering_diagnosis.benchmark.truth.course import draw_course
 from steering_diagnosis.benchmark.truth.effects import TRUE_EFFECTS
 from steering_diagnosis.benchmark.truth.run import run_closed_loop
 from steering_diagnosis.benchmark.truth.specimen import draw_specimen
-from steering_diagnosis.benchmark.visibility import VISIBLE, Probe
+from steering_diagnosis.benchmark.visibility import VISIBLE, Probe, Sensitivity
 
 SYSTEM = "open_centre"
 HEAVY, SOFT = 8.27, -0.515
@@ -51,3 +51,10 @@ def test_both_effects_of_a_pair_are_visible_beside_each_other():
     """A heavy rack rang on this seed's first record at one stick, and beside the soft bar not."""
     sealed = draw_case("pair", 630027).sealed
     assert min(sealed.ratios.values()) > VISIBLE
+
+
+def test_what_is_too_small_to_be_seen_needs_no_run_of_its_own():
+    """A lag of 20 us is too short for the step of these runs."""
+    seen = Sensitivity({"lag": np.ones(8)}, {"lag": 0.01}, np.zeros((8, 1)))
+    found = seen_as("invisible", None, seen, {}, {"lag": 2e-5})  # type: ignore[arg-type]
+    assert np.allclose(found["lag"], 2e-3)

@@ -221,10 +221,10 @@ def _hide(
             return None
         sizes[name] = size
     try:
-        seen_as = probe.beside(hidden, sizes)
+        found = seen_as(kind, probe, seen, hidden, sizes)
     except BenchError:
         return None
-    if kind == "pair" and not all(_visible(e, seen, seen_as[n]) for n, e in hidden.items()):
+    if kind == "pair" and not all(_visible(e, seen, found[n]) for n, e in hidden.items()):
         return None
     judged = {n: e for n, e in hidden.items() if e.catalogued}
     return Sealed(
@@ -232,9 +232,25 @@ def _hide(
         sizes=sizes,
         parameters=equivalents(system, {n: sizes[n] for n in judged}),
         neutral={name: neutral(system, name) for name in judged},
-        mistaken={n: [r for r in seen.mistaken(n, d) if r in rivals] for n, d in seen_as.items()},
-        ratios={name: seen.strength(difference) for name, difference in seen_as.items()},
+        mistaken={n: [r for r in seen.mistaken(n, d) if r in rivals] for n, d in found.items()},
+        ratios={name: seen.strength(difference) for name, difference in found.items()},
     )
+
+
+def seen_as(
+    kind: str,
+    probe: Probe,
+    seen: Sensitivity,
+    hidden: Mapping[str, TrueEffect],
+    sizes: Mapping[str, float],
+) -> Mapping[str, np.ndarray]:
+    """Return the difference that each effect makes, at its size and beside the others.
+
+    What is too small to be seen is linear; a lag may be too short for these runs' step.
+    """
+    if kind != "invisible":
+        return probe.beside(hidden, sizes)
+    return {name: seen.effects[name] * (size / seen.sizes[name]) for name, size in sizes.items()}
 
 
 def _visible(effect: TrueEffect, seen: Sensitivity, difference: np.ndarray) -> bool:

@@ -31,6 +31,9 @@ SHARES: Mapping[str, float] = {
 STRIDE = 11
 """Between effects that follow each other; no divisor of their number, so that all come up."""
 
+NOT_DRAWN = "not drawn"
+"""Kind of a case whose seed gives no record that shows what it is to show; no rate counts it."""
+
 CALIBRATION_SEED = 1_000_000
 """Clean records for calibration begin here; no benchmark's seed reaches it."""
 
@@ -98,14 +101,20 @@ def _results(
 
 
 def solve(job: Job, method: str, folder: Path) -> Judgement:
-    """Draw a case unless it is there, let the method diagnose it, judge, and keep the result."""
+    """Draw a case unless it is there, let the method diagnose it, judge, and keep the result.
+
+    A case that cannot be drawn is told as a failure, and the others go on.
+    """
     kept = folder / "results" / method.replace(":", ".") / f"{job.name}.json"
     if kept.is_file():
         content = json.loads(kept.read_text(encoding="utf-8"))["judgement"]
         return Judgement(
             **{k: _tuples(v) if isinstance(v, list) else v for k, v in content.items()}
         )
-    bag, holdout = prepare(job, folder)
+    try:
+        bag, holdout = prepare(job, folder)
+    except BenchError as error:
+        return Judgement(job.name, NOT_DRAWN, (), NOT_DRAWN, failure=str(error))
     sealed = read_sealed(folder / "sealed" / f"{job.name}.json")
     started = time.perf_counter()
     report: dict[str, Any] = {}
