@@ -33,14 +33,14 @@ def known(*names):
 
 def test_alone_it_is_the_effect_itself(probe):
     (effect,) = known("rack_mass").values()
-    alone = probe.beside({"rack_mass": effect}, {"rack_mass": HEAVY})
+    alone = probe.beside({"rack_mass": HEAVY})
     assert np.allclose(alone["rack_mass"], probe.effect(effect, HEAVY), atol=1e-9)
 
 
 def test_together_the_two_make_the_whole_change(probe):
     sizes = {"rack_mass": HEAVY, "torsion_bar_stiffness": SOFT}
     both = known(*sizes)
-    seen = probe.beside(both, sizes)
+    seen = probe.beside(sizes)
     bar = probe.effect(both["torsion_bar_stiffness"], SOFT)
     mass = probe.effect(both["rack_mass"], HEAVY)
     assert np.allclose(seen["rack_mass"] + bar, seen["torsion_bar_stiffness"] + mass, atol=1e-6)
@@ -56,5 +56,5 @@ def test_both_effects_of_a_pair_are_visible_beside_each_other():
 def test_what_is_too_small_to_be_seen_needs_no_run_of_its_own():
     """A lag of 20 us is too short for the step of these runs."""
     seen = Sensitivity({"lag": np.ones(8)}, {"lag": 0.01}, np.zeros((8, 1)))
-    found = seen_as("invisible", None, seen, {}, {"lag": 2e-5})  # type: ignore[arg-type]
+    found = seen_as("invisible", None, seen, {"lag": 2e-5})  # type: ignore[arg-type]
     assert np.allclose(found["lag"], 2e-3)

@@ -221,7 +221,7 @@ def _hide(
             return None
         sizes[name] = size
     try:
-        found = seen_as(kind, probe, seen, hidden, sizes)
+        found = seen_as(kind, probe, seen, sizes)
     except BenchError:
         return None
     if kind == "pair" and not all(_visible(e, seen, found[n]) for n, e in hidden.items()):
@@ -238,18 +238,14 @@ def _hide(
 
 
 def seen_as(
-    kind: str,
-    probe: Probe,
-    seen: Sensitivity,
-    hidden: Mapping[str, TrueEffect],
-    sizes: Mapping[str, float],
+    kind: str, probe: Probe, seen: Sensitivity, sizes: Mapping[str, float]
 ) -> Mapping[str, np.ndarray]:
     """Return the difference that each effect makes, at its size and beside the others.
 
     What is too small to be seen is linear; a lag may be too short for these runs' step.
     """
     if kind != "invisible":
-        return probe.beside(hidden, sizes)
+        return probe.beside(sizes)
     return {name: seen.effects[name] * (size / seen.sizes[name]) for name, size in sizes.items()}
 
 

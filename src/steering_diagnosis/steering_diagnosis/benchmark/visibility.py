@@ -39,6 +39,9 @@ OUTSTANDING = 1.0
 """Root mean square over a channel's noise from which what has no name in the catalogue is visible:
 nobody has a template of it."""
 
+TYRE = "tyre_relaxation"
+"""The effect that acts on the load's command alone, which these runs are given."""
+
 CHANNELS = 8
 """Of a whitened difference: six outputs and two balances."""
 
@@ -57,10 +60,6 @@ STEPS = {False: 5, True: 12}
 
 DRIVER_NOISE, LOAD_NOISE = 0.03, 3.0
 """Of the torque that the column needs [N m], mostly from differentiating, and of the load [N]."""
-
-
-Differences = dict[str, np.ndarray]
-"""By effect, whitened, (rows,) each."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -167,23 +166,22 @@ class Probe:
 
     def effect(self, effect: TrueEffect, size: float) -> np.ndarray:
         """Return the whitened change by an effect; for a tyre, by its own law."""
-        if effect.name == "tyre_relaxation":
+        if effect.name == TYRE:
             return self._tyre(size)
         return self.difference(
             changed(self.specimen, self.nominal, self.system, {effect.name: size})
         )
 
-    def beside(self, hidden: Mapping[str, TrueEffect], sizes: Mapping[str, float]) -> Differences:
+    def beside(self, sizes: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Return the whitened change by each effect where all others are there as well."""
-        made = changed(self.specimen, self.nominal, self.system, sizes)
-        found = {}
-        for name, effect in hidden.items():
-            if effect.name == "tyre_relaxation":
-                found[name] = self._tyre(sizes[name])
-                continue
-            others = {n: size for n, size in sizes.items() if n != name}
-            without = changed(self.specimen, self.nominal, self.system, others)
-            found[name] = self.rows(made) - self.rows(without)
+
+        def with_effects(chosen: Mapping[str, float]) -> np.ndarray:
+            return self.rows(changed(self.specimen, self.nominal, self.system, chosen))
+
+        whole, found = with_effects(sizes), {}
+        for name, size in sizes.items():
+            others = {n: x for n, x in sizes.items() if n != name}
+            found[name] = self._tyre(size) if name == TYRE else whole - with_effects(others)
         return found
 
     def _felt(self, specimen: Specimen) -> Signals:

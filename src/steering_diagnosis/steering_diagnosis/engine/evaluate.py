@@ -53,7 +53,7 @@ class Evaluator:
         self._last: dict[tuple[object, ...], np.ndarray] = {}
         self._shaken: dict[tuple[object, ...], np.ndarray] = {}
 
-    @cached_property
+    @property
     def shaken(self) -> np.ndarray:
         """What another draw of the inputs' noise changes in the nominal model, (n, outputs)."""
         return self.shaken_in(Call())

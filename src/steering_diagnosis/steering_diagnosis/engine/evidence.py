@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,11 +78,11 @@ ALIKE = 0.98
 class Evidence:
     """What speaks for a cause.
 
-    ratio: twice the log-likelihood ratio, without what a model gains that hands on less of the
-    inputs' noise. gains: the same of each output, (outputs,). p_value:
-    family-wise. delta_bic: negative speaks for it. sigmas: held-out gain over its standard error.
-    share: of the error energy above the noise that the present model leaves; material: the same of
-    the best single output. why_not: empty if real.
+    ratio: twice the log-likelihood ratio, without what is gained by handing on less of the inputs'
+    noise. gains: of each output, that included, (outputs,). p_value: family-wise. delta_bic:
+    negative speaks for it. sigmas: held-out gain over its standard error. share: of the error
+    energy above the noise that the present model leaves; material: the same of the best single
+    output. why_not: empty if real.
     """
 
     ratio: float
@@ -179,10 +178,11 @@ def size_of(problem: Problem, full: Fit, cause: str) -> tuple[bool, float]:
             break
         at += len(value)
     sd, _ = spread.deviation(at + k)
+    tolerated = _tolerated(problem, full, cause, k)
     # A nuisance that the cause replaces stays nominal, but is not known to be so.
-    replaced = 0.5 * _tolerated(problem, full, cause, k, h.replaces)
+    replaced = 0.5 * sum(tolerated.get(name, 0.0) for name in h.replaces)
     least = max(abs(unit[k]) - SURE * float(np.hypot(sd, replaced)), 0.0)
-    return least > _tolerated(problem, full, cause, k, h.competes), float(abs(unit[k]))
+    return least > sum(tolerated.values()), float(abs(unit[k]))
 
 
 def at_bound(problem: Problem, full: Fit, cause: str) -> bool:
@@ -195,19 +195,20 @@ def at_bound(problem: Problem, full: Fit, cause: str) -> bool:
     return False
 
 
-def _tolerated(problem: Problem, full: Fit, cause: str, k: int, nuisances: Sequence[str]) -> float:
-    """Return the size [typical sizes] of a cause that these nuisances express within tolerance."""
+def _tolerated(problem: Problem, full: Fit, cause: str, k: int) -> dict[str, float]:
+    """Return the size [typical sizes] that each competing nuisance expresses within tolerance."""
+    h = problem.book.hypotheses[cause]
     weights = problem.weights()
     column = (full.noise.whiten(full.columns[cause][..., k]) * weights).ravel()
-    reach = 0.0
-    for name in nuisances:
+    found = {}
+    for name in h.competes:
         if name in problem.book.index and column @ column > 0.0:
             whole = problem.nuisance[..., problem.book.index[name]]
             one = (full.noise.whiten(whole) * weights).ravel()
             alike = abs(float(one @ column)) / float(np.linalg.norm(one) * np.linalg.norm(column))
             if alike > ALIKE:
-                reach += 2.0 * abs(float(one @ column) / float(column @ column))
-    return reach
+                found[name] = 2.0 * abs(float(one @ column) / float(column @ column))
+    return found
 
 
 def certainty(gain: np.ndarray) -> float:

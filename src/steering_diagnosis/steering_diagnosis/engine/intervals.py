@@ -56,8 +56,8 @@ def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
     p = problem.nuisance.shape[-1]
     gram[np.arange(p), np.arange(p)] += 1.0
     fixed = [fixed_sizes(problem, n, len(v)) for n, v in fit.values.items()]
-    at = p + np.flatnonzero(np.concatenate([np.zeros(0, bool), *fixed]))
-    at = np.r_[problem.book.replaced(fit.values), at].astype(int)
+    sizes = p + np.flatnonzero(np.concatenate([np.zeros(0, bool), *fixed]))
+    at = [*problem.book.replaced(fit.values), *sizes]
     gram[at, at] += FIXED * np.trace(gram)
     matrix = np.linalg.pinv(gram, hermitian=True)
     if not len(block):

@@ -70,6 +70,11 @@ class Hypothesis:
     separating: str = ""
     exact: bool = False
 
+    @property
+    def shapes_only(self) -> bool:
+        """Whether it has no size that could be small, as a stop, a gap or a delay."""
+        return all(p.shape for p in self.parameters)
+
 
 Effects = Mapping[str, Mapping[str, float]]
 """Hypotheses that are on, with their parameters; absent ones are neutral."""

@@ -90,7 +90,7 @@ def _removing(
     before = np.maximum(mean_square(now.residual, rows), 1e-300)
     best: dict[str, tuple[float, Template]] = {}
     for trial in trials:
-        if all(p.shape for p in problem.book.hypotheses[trial.hypothesis].parameters):
+        if problem.book.hypotheses[trial.hypothesis].shapes_only:
             left = now.residual + problem.known_columns(trial)[..., 0]
             share = float(np.mean(1.0 - mean_square(left, rows) / before))
             if share > best.get(trial.hypothesis, (REMOVES, trial))[0]:

@@ -215,8 +215,7 @@ class Search:
         names = now.names | {start.hypothesis}
         h = self.problem.book.hypotheses[start.hypothesis]
         # What has shapes only, a stop or a gap, is far from linear: coloured noise stops it early.
-        bent = all(p.shape for p in h.parameters)
-        promised = -np.inf if bent else now.misfit - KEPT * start.gain
+        promised = -np.inf if h.shapes_only else now.misfit - KEPT * start.gain
         found = self.fit(names, start.z, start.values, promised)
         if found.misfit > now.misfit - self.critical:
             shapes = zip(h.parameters, start.values[h.name], strict=True)

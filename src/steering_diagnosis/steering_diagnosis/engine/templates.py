@@ -101,7 +101,7 @@ def _units(h: Hypothesis, free: tuple[int, ...], grid: Sequence[float]) -> list[
     A gap, a stop or a delay moves nothing until it is reached, and is far from linear then.
     """
     typical = np.array([h.parameters[i].typical - h.parameters[i].neutral for i in free])
-    if not all(h.parameters[i].shape for i in free):
+    if not h.shapes_only:
         return [typical]
     room = np.array([h.parameters[i].high - h.parameters[i].neutral for i in free])
     return [np.minimum(factor * typical, 0.9 * room) for factor in (*grid, *FAR)]
@@ -112,7 +112,7 @@ def _spoken_for(h: Hypothesis, unit: np.ndarray, grid: Sequence[float]) -> tuple
 
     Of shapes alone for none but itself; the smallest step for smaller ones too.
     """
-    if not all(p.shape for p in h.parameters):
+    if not h.shapes_only:
         return -np.inf, np.inf
     smallest = min(grid) * scale(h.parameters[0]) * (1.0 + 1e-9)
     return (0.0 if abs(unit[0]) <= smallest else 1.0), 1.0
