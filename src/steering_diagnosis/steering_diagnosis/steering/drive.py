@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from steering_core.errors import BenchError
 from steering_core.parameters import ParameterSet
@@ -315,12 +316,16 @@ class Drive:
 
 
 def _above_vacuum(curves: list[np.ndarray], atmosphere: float) -> list[np.ndarray]:
-    """Return a pressure and its rate with no less than a chamber has that is sucked empty."""
+    """Return a pressure and its rate with no less than a chamber has that is sucked empty.
+
+    The rate is a monotone cubic's: any other swings below a vacuum behind the kink.
+    """
     least = -VAPOUR * atmosphere
     if curves[0].min() > least:
         return curves
     pressure = np.maximum(curves[0], least)
-    return [pressure, np.gradient(pressure, PERIOD_S)]
+    time = np.arange(len(pressure)) * PERIOD_S
+    return [pressure, PchipInterpolator(time, pressure).derivative()(time)]
 
 
 def _led_in(values: np.ndarray) -> np.ndarray:
