@@ -19,12 +19,19 @@ from steering_core.naming import unknown
 from steering_diagnosis.benchmark.cases import KINDS
 from steering_diagnosis.benchmark.methods import NAMED
 from steering_diagnosis.benchmark.page import benchmark_page, rate_row
-from steering_diagnosis.benchmark.runner import NOT_DRAWN, Job, calibrate, plan, run_jobs
+from steering_diagnosis.benchmark.runner import (
+    FULL,
+    FULL_OF,
+    NOT_DRAWN,
+    calibrate,
+    plan,
+    run_jobs,
+)
 from steering_diagnosis.benchmark.scoring import Judgement, confusion, rates
 from steering_diagnosis.running import Steps, pool
 from steering_diagnosis.steering.clean_gains import largest
 
-SAMPLE, FULL, FULL_CLEAN = 20, 200, 300
+SAMPLE = 20
 GAINS = "steering_diagnosis.steering.clean_gains:gains_of"
 
 
@@ -33,7 +40,11 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = made.add_argument
     add("--cases", type=int, default=SAMPLE, metavar="N", help=f"cases (default: {SAMPLE})")
-    add("--full", action="store_true", help=f"{FULL} cases, and {FULL_CLEAN} clean ones beside")
+    add(
+        "--full",
+        action="store_true",
+        help=f"{FULL} cases; of the clean {FULL_OF['clean']}, outside {FULL_OF['outside']}",
+    )
     add("--kinds", nargs="+", default=list(KINDS), metavar="KIND", help=f"of {', '.join(KINDS)}")
     add("--seed", type=int, default=0, metavar="S", help="other records for another seed")
     add("--records", type=Path, metavar="DIR", help="keep bags, truths and results; goes on there")
@@ -73,10 +84,8 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
         return _clean_gains(asked, folder)
     if asked.calibrate:
         return _calibrate(asked, folder)
-    jobs = plan(FULL if asked.full else asked.cases, asked.seed, asked.kinds)
-    if asked.full and "clean" in asked.kinds:
-        clean = [Job("clean", asked.seed * 10_000 + i) for i in range(FULL_CLEAN)]
-        jobs = [job for job in jobs if job.kind != "clean"] + clean
+    cases, least = (FULL, FULL_OF) if asked.full else (asked.cases, None)
+    jobs = plan(cases, asked.seed, asked.kinds, least)
     with Steps("diagnosis") as bar, pool(asked.jobs) as executor:
         count = 0
 

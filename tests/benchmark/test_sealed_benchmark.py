@@ -1,6 +1,7 @@
 """Cases, their seal, what a bag holds, and the scorer on reports written by hand."""
 
 import json
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -107,6 +108,13 @@ def test_every_effect_of_the_catalogue_can_be_hidden_and_outsiders_cannot_be_nam
 def test_a_sample_reaches_every_effect():
     hidden = {job.effect for job in plan(200, 0) if job.kind == "visible"}
     assert hidden == {e.name for e in LISTED}
+
+
+def test_a_full_run_goes_on_with_more_of_the_kinds_whose_targets_are_small_rates():
+    sample, full = plan(200, 7), plan(200, 7, least={"clean": 300, "outside": 60})
+    assert set(sample) < set(full)
+    more = Counter(job.kind for job in full) - Counter(job.kind for job in sample)
+    assert more == {"clean": 270, "outside": 40}
 
 
 def test_a_clean_case_is_written_read_and_repeated_to_the_byte(tmp_path):

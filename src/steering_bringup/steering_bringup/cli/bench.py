@@ -50,7 +50,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     sealed = parser.add_argument_group("of the benchmark 'diagnosis' (docs/diagnosis_benchmark.md)")
     add = sealed.add_argument
     add("--cases", metavar="N", help="cases; 200 for the whole benchmark (default: 20)")
-    add("--full", action="store_true", help="200 cases, and 300 clean ones beside")
+    add("--full", action="store_true", help="200 cases; of the clean 300, outside 60")
     add("--kinds", metavar="KIND", nargs="+", help="clean, visible, invisible, pair, outside")
     add("--seed", metavar="S", help="other records for another seed")
     add(

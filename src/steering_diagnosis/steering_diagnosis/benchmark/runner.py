@@ -28,6 +28,10 @@ SHARES: Mapping[str, float] = {
 }
 """Of the kinds in a sample."""
 
+FULL = 200
+FULL_OF: Mapping[str, int] = {"outside": 60, "clean": 300}
+"""Cases of a full run, and of these kinds so many: 1 in 300 and 5 % cannot be told from 20."""
+
 STRIDE = 11
 """Between effects that follow each other; no divisor of their number, so that all come up."""
 
@@ -57,12 +61,21 @@ class Job:
         return "record-" + hashlib.sha256(self.name.encode()).hexdigest()[:10]
 
 
-def plan(cases: int, seed: int, kinds: Sequence[str] = KINDS) -> list[Job]:
-    """Return a sample of cases: shares as above, single effects in turn so that all come up."""
+def plan(
+    cases: int,
+    seed: int,
+    kinds: Sequence[str] = KINDS,
+    least: Mapping[str, int] | None = None,
+) -> list[Job]:
+    """Return a sample of cases: shares as above, single effects in turn so that all come up.
+
+    least: of these kinds at least so many, beyond ``cases``.
+    """
     if not 0 <= seed <= 90:
         raise BenchError(f"--seed must be from 0 to 90, got {seed}")
     total = sum(SHARES[kind] for kind in kinds)
-    counts = {kind: max(1, round(cases * SHARES[kind] / total)) for kind in kinds}
+    shares = {kind: round(cases * SHARES[kind] / total) for kind in kinds}
+    counts = {kind: max(1, n, (least or {}).get(kind, 0)) for kind, n in shares.items()}
     turns = {"visible": sorted({e.name for e in LISTED}), "outside": [e.name for e in OUTSIDE]}
     jobs = []
     for kind, count in counts.items():
