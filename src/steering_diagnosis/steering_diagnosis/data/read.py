@@ -39,11 +39,10 @@ def read_record(path: str | Path, mapping: str | Path | None = None) -> Record:
 def record_from_file(path: Path, mapping_path: Path) -> Record:
     """Return the record of a CSV, MATLAB or MDF4 file."""
     mapping, _ = load_mapping(mapping_path)
-    wanted = [(channel.source, channel.group) for channel in mapping.channels.values()]
-    raw = read_foreign(path, wanted, mapping.time)
+    raw = read_foreign(path, mapping)
     notes: list[str] = []
     channels = {
-        name: _in_si(name, channel, raw[channel.source], mapping, path, notes)
+        name: _in_si(name, channel, raw[name], mapping, path, notes)
         for name, channel in mapping.channels.items()
     }
     channels = _on_one_clock(channels, mapping, notes)

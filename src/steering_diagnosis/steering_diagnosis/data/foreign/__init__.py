@@ -1,0 +1,37 @@
+"""Files of other tools as raw channels: CSV, MATLAB and MDF4. One reader by file ending."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from steering_core.errors import BenchError
+from steering_core.naming import unknown
+from steering_diagnosis.data.foreign.csv_file import read_csv
+from steering_diagnosis.data.foreign.matlab_file import read_matlab
+from steering_diagnosis.data.foreign.mdf_file import read_mdf
+from steering_diagnosis.data.foreign.raw import Raw
+from steering_diagnosis.data.mapping import Mapping
+
+READERS: dict[str, Callable[[Path, Mapping], dict[str, Raw]]] = {
+    ".csv": read_csv,
+    ".txt": read_csv,
+    ".mat": read_matlab,
+    ".mf4": read_mdf,
+    ".mdf": read_mdf,
+    ".dat": read_mdf,
+}
+"""File ending to reader. Register a new one here, and only here."""
+
+
+def read_foreign(path: Path, mapping: Mapping) -> dict[str, Raw]:
+    """Return the raw channels of a file by the bench's names, as ``mapping`` finds them in it.
+
+    BenchError names the file and what is missing in it.
+    """
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise BenchError(f"'{path}': {unknown('kind of file', path.suffix, READERS)}")
+    if not path.is_file():
+        raise BenchError(f"there is no file '{path}'")
+    return reader(path, mapping)
