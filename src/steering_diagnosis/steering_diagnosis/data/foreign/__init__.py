@@ -13,6 +13,8 @@ from steering_diagnosis.data.foreign.mdf_file import read_mdf
 from steering_diagnosis.data.foreign.raw import Raw
 from steering_diagnosis.data.mapping import Mapping
 
+__all__ = ["READERS", "Raw", "read_foreign"]
+
 READERS: dict[str, Callable[[Path, Mapping], dict[str, Raw]]] = {
     ".csv": read_csv,
     ".txt": read_csv,
