@@ -29,6 +29,7 @@ class MappedChannel(Strict):
     delay: Number = Field(0.0, description="s by which the file's channel is known to lag")
     group: int | None = Field(None, ge=0, description="MDF group, where a name occurs twice")
     clock: str = Field("", description="name of the clock, where it is not the file's first")
+    time: str = Field("", description="MATLAB: vector with the time of this channel alone")
 
     @model_validator(mode="after")
     def _has_sign(self) -> MappedChannel:

@@ -8,7 +8,7 @@ from pathlib import Path
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
 from steering_diagnosis.data.foreign.csv_file import read_csv
-from steering_diagnosis.data.foreign.matlab_file import read_matlab
+from steering_diagnosis.data.foreign.matlab import read_matlab
 from steering_diagnosis.data.foreign.mdf_file import read_mdf
 from steering_diagnosis.data.foreign.raw import Raw
 from steering_diagnosis.data.mapping import Mapping
@@ -36,4 +36,7 @@ def read_foreign(path: Path, mapping: Mapping) -> dict[str, Raw]:
         raise BenchError(f"'{path}': {unknown('kind of file', path.suffix, READERS)}")
     if not path.is_file():
         raise BenchError(f"there is no file '{path}'")
+    for name, channel in mapping.channels.items():
+        if channel.time and reader is not read_matlab:
+            raise BenchError(f"'{path}': {name}: only channels of MATLAB files have a 'time'")
     return reader(path, mapping)
