@@ -149,8 +149,9 @@ def solve(job: Job, method: str, folder: Path) -> Judgement:
         )
     try:
         at = prepare(job, folder)
-    except BenchError as error:
-        return Judgement(job.case, NOT_DRAWN, (), NOT_DRAWN, failure=str(error))
+    except Exception as error:
+        text = str(error) if isinstance(error, BenchError) else f"{type(error).__name__}: {error}"
+        return Judgement(job.case, NOT_DRAWN, (), NOT_DRAWN, failure=text)
     sealed = read_sealed(_sealed(job, folder))
     started = time.perf_counter()
     report: dict[str, Any] = {}
