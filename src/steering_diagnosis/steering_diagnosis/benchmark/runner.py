@@ -187,10 +187,21 @@ def _sealed(job: Job, folder: Path) -> Path:
     return folder / "sealed" / f"{job.case}.json"
 
 
-@lru_cache(maxsize=1)
 def _drawn(kind: str, seed: int, effect: str | None) -> Drawn:
-    """Return a specimen with its records; the last one is remembered for its other doors."""
-    return draw_case(kind, seed, effect, holdout=True)
+    """Return a specimen with its records; BenchError where it cannot be drawn."""
+    found = _attempt(kind, seed, effect)
+    if isinstance(found, BenchError):
+        raise found
+    return found
+
+
+@lru_cache(maxsize=1)
+def _attempt(kind: str, seed: int, effect: str | None) -> Drawn | BenchError:
+    """Return a specimen or why there is none; the last is remembered for its other doors."""
+    try:
+        return draw_case(kind, seed, effect, holdout=True)
+    except BenchError as error:
+        return error
 
 
 def calibrate(
