@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from steering_diagnosis.benchmark.visibility import CHANNELS, Sensitivity
+from steering_diagnosis.benchmark.visibility import COLUMNS, Sensitivity
 
 ROWS = 400
 RANDOM = np.random.default_rng(1)
-SIDE = RANDOM.standard_normal(CHANNELS * ROWS)
-RIVAL = RANDOM.standard_normal(CHANNELS * ROWS)
+SIDE = RANDOM.standard_normal(len(COLUMNS) * ROWS)
+RIVAL = RANDOM.standard_normal(len(COLUMNS) * ROWS)
 
 
 def one_channel(channel, size):
     """Return a difference of a root mean square in one channel, (rows,)."""
-    found = np.zeros((CHANNELS, ROWS))
+    found = np.zeros((len(COLUMNS), ROWS))
     found[channel] = size * np.resize([1.0, -1.0], ROWS)
     return found.ravel()
 
