@@ -22,13 +22,16 @@ class Output:
 class Nuisance:
     """A nominal parameter that may differ within its tolerance.
 
-    tolerance: two standard deviations of one specimen, absolute [unit].
+    tolerance: two standard deviations of one specimen, absolute [unit]. low, high: its physical
+    range, which holds the nominal value; the engine never asks the replay for a value beyond.
     """
 
     name: str
     unit: str
     nominal: float
     tolerance: float
+    low: float = -np.inf
+    high: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,9 @@ class Replay(Protocol):
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), SI; NaN where nothing was measured.
 
-        nuisances: absolute values of those that differ from nominal.
+        nuisances: absolute values of those that differ from nominal. A model that cannot be
+        replayed raises BenchError, ValueError, ArithmeticError, or gives NaN where the nominal one
+        gives a number: see ``failures``.
         """
 
     def shaken(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:

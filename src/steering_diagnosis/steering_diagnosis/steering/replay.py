@@ -11,7 +11,6 @@ from uuid import uuid4
 import numpy as np
 
 from steering_core.errors import BenchError
-from steering_core.parameters import ParameterSet
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
 from steering_diagnosis.steering import ripple, suspects
@@ -30,12 +29,6 @@ share of a record that is given up for it at most."""
 
 CUT_OFF = 100
 """Samples at the end that are not judged: smooth inputs have no future there."""
-
-IMPOSSIBLE = 100.0
-"""Errors of an impossible plant over the nominal one's."""
-
-LEAST_SHARE = 0.02
-"""Share of its nominal value below which a positive parameter is not taken."""
 
 SHAKING = (
     "steering_wheel_angle",
@@ -119,7 +112,7 @@ class SteeringReplay:
         model = full_model(self.record.valve_system)
         parameters = self.record.nominal
         if nuisances:
-            parameters = parameters.with_values(possible(parameters, nuisances))
+            parameters = parameters.with_values(nuisances)
         parameters = model.changed(parameters, effects)
         trace = self.simulation.run(parameters, acting(self.drive, effects))
         return Run(self.drive, parameters, effects, trace)
@@ -127,15 +120,9 @@ class SteeringReplay:
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), SI; NaN where it is not judged.
 
-        Parameters with which the plant leaves what is possible give errors beyond all measure, so
-        that a search turns back. BenchError where the nominal model does so.
+        BenchError: the plant leaves what is possible. ParameterError: a value out of its range.
         """
-        try:
-            errors = self.errors(nuisances, effects)
-        except BenchError:
-            if not nuisances and not effects:
-                raise
-            errors = IMPOSSIBLE * np.abs(self.errors({}, {}))
+        errors = self.errors(nuisances, effects)
         errors[~self.judged] = np.nan
         return errors
 
@@ -220,21 +207,6 @@ def bind(record: Record) -> BoundModel:
     """Return the replay of a record with what the report must say of it."""
     replay = SteeringReplay(record)
     return BoundModel(replay, replay.undecidable, record.notes)
-
-
-def possible(nominal: ParameterSet, values: Mapping[str, float]) -> dict[str, float]:
-    """Return ``values`` with those that must be positive, and were, kept positive.
-
-    No sensor is early.
-    """
-    found = {}
-    for name, value in values.items():
-        minimum = nominal.info(name).minimum
-        least = LEAST_SHARE * nominal[name]
-        positive = least > 0.0 and (minimum is None or minimum >= 0.0)
-        late = name.endswith(".delay")
-        found[name] = max(value, least) if positive or late else value
-    return found
 
 
 _REPLAYS: OrderedDict[str, SteeringReplay] = OrderedDict()
