@@ -11,12 +11,17 @@ import json
 import sys
 import tempfile
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
+from steering_diagnosis.benchmark.by_door import HEAD, by_door, cells
 from steering_diagnosis.benchmark.cases import KINDS
+from steering_diagnosis.benchmark.doors.channel_sets import LACKABLE
+from steering_diagnosis.benchmark.doors.door import DRAWN, draw_door
+from steering_diagnosis.benchmark.doors.door import KINDS as KINDS_OF_DOOR
 from steering_diagnosis.benchmark.methods import NAMED
 from steering_diagnosis.benchmark.page import benchmark_page, rate_row
 from steering_diagnosis.benchmark.runner import (
@@ -54,6 +59,10 @@ def parser() -> argparse.ArgumentParser:
         " over N clean records of seeds that no benchmark uses")  # fmt: skip
     add("--clean-gains", type=Path, metavar="FILE", help="write what N clean records gain by wrong"
         " causes: the engine's own calibration")  # fmt: skip
+    add("--doors", default=DRAWN, metavar="DOOR", help=f"{', '.join((DRAWN, *KINDS_OF_DOOR))}: each"
+        f" case draws its own (default: {DRAWN}), or all come in through one")  # fmt: skip
+    add("--without", nargs="*", metavar="GROUP", help="these channels are not measured, instead of"
+        f" those drawn: {', '.join(LACKABLE)}")  # fmt: skip
     add("--json", type=Path, metavar="FILE", help="write the numbers here too")
     add(
         "--page", type=Path, metavar="FILE", help="write the HTML page here (default: in --records)"
@@ -85,7 +94,8 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
     if asked.calibrate:
         return _calibrate(asked, folder)
     cases, least = (FULL, FULL_OF) if asked.full else (asked.cases, None)
-    jobs = plan(cases, asked.seed, asked.kinds, least)
+    doors = partial(draw_door, kind=asked.doors, lacking=asked.without)
+    jobs = plan(cases, asked.seed, asked.kinds, least, doors)
     with Steps("diagnosis") as bar, pool(asked.jobs) as executor:
         count = 0
 
@@ -99,8 +109,9 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
     for line in rates(judgements):
         what, value, interval, counted, target = rate_row(line)
         print(f"{what:48}{value:>8}  [{interval:13}] of {counted:>3}   target {target}")
+    _by_door(judgements)
     failures = [j for j in judgements if j.failure]
-    for j in failures[:5]:
+    for j in failures:
         what = "" if j.kind == NOT_DRAWN else "the method failed: "
         print(f"{j.case}: {what}{j.failure}")
     page = asked.page or (asked.records / "benchmark.html" if asked.records else None)
@@ -113,6 +124,13 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
     return 1 if len(failures) == len(judgements) else 0
 
 
+def _by_door(judgements: list[Judgement]) -> None:
+    print()
+    for line in (HEAD, *(cells(row) for row in by_door(judgements))):
+        print(f"{line[0]:32}" + "".join(f"{cell:>14}" for cell in line[1:]))
+    print()
+
+
 def report(method: str, judgements: list[Judgement]) -> dict[str, Any]:
     """Return everything as plain data."""
     found = rates(judgements)
@@ -120,6 +138,7 @@ def report(method: str, judgements: list[Judgement]) -> dict[str, Any]:
         "method": method,
         "cases": len(judgements),
         "rates": [asdict(rate) | {"reached": rate.reached} for rate in found],
+        "by_door": [asdict(row) for row in by_door(judgements)],
         "confusion": confusion(judgements),
         "judgements": [judgement.as_json() for judgement in judgements],
     }

@@ -29,6 +29,8 @@ OF_DIAGNOSIS = (
     "method",
     "jobs",
     "page",
+    "doors",
+    "without",
     "calibrate",
     "clean_gains",
 )
@@ -58,6 +60,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     add("--method", metavar="MODULE:FUNCTION", help="bag to report; or engine, baseline")
     add("--jobs", metavar="N", help="processes (default: 2)")
+    add(
+        "--doors",
+        metavar="DOOR",
+        help="all, bag, csv, mdf or matlab: what the cases come in through",
+    )
+    add("--without", metavar="GROUP", nargs="+", help="channels that no case has")
     add("--calibrate", metavar="MODULE:FUNCTION", help="a statistic over N clean records instead")
     add("--clean-gains", metavar="FILE", help="what N clean records gain by wrong causes instead")
     add("--page", metavar="FILE", help="the HTML page (default: in --records)")

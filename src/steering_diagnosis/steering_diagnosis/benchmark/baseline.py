@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from steering_diagnosis.data.bag import record_from_bag
+from steering_diagnosis.data.read import read_record
 from steering_diagnosis.data.record import PERIOD_S, Record
 
 CUTOFF_HZ = 15.0
@@ -24,9 +24,9 @@ Column = tuple[str, str, float, float, np.ndarray]
 """Effect, parameter, neutral value, scale of the coefficient's deviation, signature."""
 
 
-def baseline(bag: Path) -> dict[str, Any]:
-    """Return a report's verdict and causes for a bag."""
-    record = record_from_bag(bag)
+def baseline(path: Path, mapping: Path | None = None) -> dict[str, Any]:
+    """Return a report's verdict and causes for a bag, or a file with its mapping."""
+    record = read_record(path, mapping)
     best: tuple[float, str, Column, float, float] | None = None
     for balance, error, columns, tolerances in balances(record):
         own = _left(error, tolerances)

@@ -171,6 +171,8 @@ def rates(p, y, u, d):
         closed_centre(p, y, d, u)
     else:
         open_centre(p, y, d, u, torque)
+    if p.pressed > 0.0:
+        d[s.LEFT], d[s.RIGHT] = u[s.LEFT_RISE], u[s.RIGHT_RISE]
     v = y[s.RACK_SPEED]
     resisting = viscous(p, v, u[s.TIME]) + y[s.RACK_FRICTION] + load(p, y, u)
     resisting += contact(p, y[s.RACK], v)
