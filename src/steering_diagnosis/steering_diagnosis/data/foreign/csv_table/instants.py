@@ -50,9 +50,9 @@ class Instants(NamedTuple):
 
 def are_instants(cells: Sequence[str]) -> bool:
     """Return whether a column holds dates or times of day, by most of its filled cells."""
-    filled = [cell for cell in cells if not is_missing(cell)]
-    sample = filled[:: max(len(filled) // SAMPLE, 1)]
-    return sum(map(looks_instant, sample)) > 0.5 * len(sample)
+    sample = cells[:: max(len(cells) // SAMPLE, 1)]
+    filled = [cell for cell in sample if not is_missing(cell)]
+    return sum(map(looks_instant, filled)) > 0.5 * len(filled)
 
 
 def counted(texts: Sequence[str], values: np.ndarray) -> np.ndarray:

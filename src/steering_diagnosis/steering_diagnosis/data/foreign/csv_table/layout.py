@@ -43,21 +43,21 @@ HIGHEST_HEADER = 6
 class Layout(NamedTuple):
     """How a table is laid out. header: its line from 1; first: index of the line below it.
 
-    names: plain, up to the last one that is not empty; width: with the empty ones; given: the
-    mapping says which line is the header.
+    names: plain, up to the last one that is not empty; given: the mapping says which line is the
+    header.
     """
 
     separator: str
     header: int
     first: int
     names: tuple[str, ...]
-    width: int
     comments: tuple[str, ...]
     given: bool
 
     def fits(self, row: Sequence[str]) -> bool:
         """Return whether a row has the header's cells, and behind them nothing or empty ones."""
-        return len(row) >= len(self.names) and not any(c.strip() for c in row[self.width :])
+        count = len(self.names)
+        return len(row) >= count and not any(cell.strip() for cell in row[count:])
 
 
 def shown(separator: str) -> str:
@@ -123,7 +123,12 @@ def explain_missing(lines: Sequence[str], wanted: Sequence[str], mapping: Mappin
 
 
 def _only(good: list[tuple[Layout, list[list[str]]]], wanted: Sequence[str]) -> Layout:
-    """Return the first layout, where the others mean the same."""
+    """Return the first layout, where the others mean the same.
+
+    Blanks separate only where no other sign does: they may stand within cells.
+    """
+    signs = [each for each in good if each[0].separator not in (" ", NONE)]
+    good = signs or good
     chosen, cells = good[0]
     for other, others_cells in good[1:]:
         if other.header == chosen.header and others_cells != cells:
@@ -168,7 +173,6 @@ def _layouts(
                 header=number,
                 first=number - 1 + height,
                 names=tuple(names[:filled]),
-                width=len(names),
                 comments=comments,
                 given=mapping.header_line is not None,
             )

@@ -63,39 +63,83 @@ class Evidence:
         return shown
 
 
-def spellings(
+def read_columns(
     columns: Sequence[tuple[str, Sequence[str]]],
     lines: np.ndarray,
     decimal: str | None = None,
     thousands: str | None = None,
     separator: str = "",
-) -> list[Spelling]:
-    """Return how each column, given as name and cells, writes its numbers.
+    missing: Iterable[str | float] = (),
+) -> list[Numbers]:
+    """Return the numbers of columns, each given as name and cells.
 
-    decimal and thousands: as the mapping gives them. BenchError where cells contradict each other
-    or have two readings, with line and the mapping's key that decides.
+    decimal and thousands: as the mapping gives them; missing: further texts or numbers that stand
+    for none. BenchError where cells contradict each other or have two readings, with line and the
+    mapping's key that decides.
     """
     if decimal is None and thousands in OTHER:
         decimal = OTHER[thousands]
-    found = [evidence(cells) for _, cells in columns]
-    everywhere = {sign for each in found for sign in each.signs()}
+    plain = [_plain_column(cells, decimal) for _, cells in columns]
+    found = [
+        None if numbers else evidence(cells)
+        for (_, cells), (_, numbers) in zip(columns, plain, strict=True)
+    ]
+    everywhere = {sign for sign, _ in plain if sign}
+    everywhere |= {sign for each in found if each for sign in each.signs()}
     if not everywhere and separator == ",":
         everywhere = {"."}
     default = next(iter(everywhere)) if len(everywhere) == 1 else None
     result = []
-    for (name, cells), each in zip(columns, found, strict=True):
-        place = _Place(name, cells, lines)
-        own = decimal or _decimal(each, default, place)
-        other = OTHER[own]
-        grouped = other in each.thousands or thousands == other
-        if other in each.either and not grouped:
-            raise BenchError(
-                f"{place(each.either[other])} has two readings beside the decimal sign '{own}', a "
-                f"number with '{other}' between its thousands or none: say `thousands` in the "
-                "mapping"
-            )
-        result.append(Spelling(own, frozenset(GROUPING + other if grouped else GROUPING)))
+    for (name, cells), (_, numbers), each in zip(columns, plain, found, strict=True):
+        if numbers is None and each is not None:
+            place = _Place(name, cells, lines)
+            spelling = _spelling(each, decimal, thousands, default, place)
+            numbers = _one_by_one(cells, spelling, missing)
+        result.append(_without(numbers, missing))
     return result
+
+
+def _plain_column(cells: Sequence[str], decimal: str | None) -> tuple[str, Numbers | None]:
+    """Return the decimal sign and the numbers of a column that leaves no question open.
+
+    It has but one of the two signs, in all cells what ``float`` reads, and one cell shows that the
+    sign is the decimal one. The sign is '' where no cell has any.
+    """
+    joined = "\n".join(cells)
+    signs = [sign for sign in OTHER if sign in joined]
+    if len(signs) > 1 or (
+        signs and not decimal and not _patterns(signs[0])["decimal"].search(joined)
+    ):
+        return "", None
+    sign = signs[0] if signs else ""
+    if sign and decimal not in (None, sign):
+        return "", None
+    texts = (joined.replace(",", ".") if sign == "," else joined).split("\n")
+    if not PLAIN.issuperset(joined.replace(",", ".")):
+        return "", None
+    try:
+        return sign, Numbers(texts, np.fromiter(map(float, texts), np.float64, len(texts)), [])
+    except ValueError:
+        return "", None
+
+
+def _spelling(
+    found: Evidence,
+    decimal: str | None,
+    thousands: str | None,
+    default: str | None,
+    place: _Place,
+) -> Spelling:
+    """Return how a column writes numbers; ``default`` is the rest of the table's decimal sign."""
+    own = decimal or _decimal(found, default, place)
+    other = OTHER[own]
+    grouped = other in found.thousands or thousands == other
+    if other in found.either and not grouped:
+        raise BenchError(
+            f"{place(found.either[other])} has two readings beside the decimal sign '{own}', a "
+            f"number with '{other}' between its thousands or none: say `thousands` in the mapping"
+        )
+    return Spelling(own, frozenset(GROUPING + other if grouped else GROUPING))
 
 
 @dataclass(frozen=True)
@@ -167,43 +211,16 @@ def _patterns(sign: str) -> dict[str, re.Pattern[str]]:
     }
 
 
-def numbers(cells: Sequence[str], spelling: Spelling, missing: Iterable[str | float]) -> Numbers:
-    """Return a column as numbers; ``missing`` are further texts or numbers that stand for none."""
-    result = _as_they_stand(cells, spelling)
-    if result is None:
-        none = {str(each).strip().casefold() for each in missing}
-        result = _one_by_one(cells, spelling, none | MISSING)
-    for each in missing:
-        if (number := _number_in(each)) is not None:
-            lost = np.flatnonzero(result.values == number)
-            result.values[lost] = np.nan
-            for row in lost:
-                result.texts[row] = ""
-    return result
-
-
-def _as_they_stand(cells: Sequence[str], spelling: Spelling) -> Numbers | None:
-    """Return the numbers where all cells are what ``float`` reads, None where not."""
-    joined = "\n".join(cells)
-    if spelling.decimal != ".":
-        if "." in joined:
-            return None
-        joined = joined.replace(spelling.decimal, ".")
-    if not PLAIN.issuperset(joined):
-        return None
-    texts = joined.split("\n")
-    try:
-        return Numbers(texts, np.array([float(text) for text in texts]), [])
-    except ValueError:
-        return None
-
-
-def _one_by_one(cells: Sequence[str], spelling: Spelling, missing: frozenset[str]) -> Numbers:
+def _one_by_one(
+    cells: Sequence[str], spelling: Spelling, missing: Iterable[str | float]
+) -> Numbers:
+    """Return a column's numbers where its cells hold other things too."""
+    none = MISSING | {str(each).strip().casefold() for each in missing}
     pattern = _number(spelling)
     texts, foreign = [], []
     for row, cell in enumerate(cells):
         bare = cell.strip()
-        if not bare or bare.casefold() in missing:
+        if not bare or bare.casefold() in none:
             texts.append("")
         elif match := pattern.fullmatch(bare):
             whole = re.sub("[^0-9]", "", match["whole"])
@@ -214,6 +231,17 @@ def _one_by_one(cells: Sequence[str], spelling: Spelling, missing: frozenset[str
             texts.append("")
             foreign.append(row)
     return Numbers(texts, np.array([float(t) if t else np.nan for t in texts]), foreign)
+
+
+def _without(read: Numbers, missing: Iterable[str | float]) -> Numbers:
+    """Blank the numbers that stand for none."""
+    for each in missing:
+        if (number := _number_in(each)) is not None:
+            lost = np.flatnonzero(read.values == number)
+            read.values[lost] = np.nan
+            for row in lost:
+                read.texts[row] = ""
+    return read
 
 
 @cache

@@ -19,7 +19,7 @@ from steering_diagnosis.data.foreign.csv_table.layout import (
     row_of,
 )
 from steering_diagnosis.data.foreign.csv_table.names import places, plain, split_unit
-from steering_diagnosis.data.foreign.csv_table.numbers import Numbers, numbers, spellings
+from steering_diagnosis.data.foreign.csv_table.numbers import OTHER, Numbers, read_columns
 from steering_diagnosis.data.foreign.csv_table.rows import LOST_SHARE, Rows, read_rows
 from steering_diagnosis.data.foreign.raw import Raw
 from steering_diagnosis.data.mapping import Mapping
@@ -111,20 +111,27 @@ def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
 def _numbers(
     cells: dict[int, tuple[str, ...]], rows: Rows, layout: Layout, mapping: Mapping
 ) -> dict[int, Numbers]:
-    """Return the columns as numbers. BenchError where much of one is text."""
-    found = spellings(
+    """Return the columns as numbers. BenchError where much of one is text.
+
+    Or where rows of whole numbers are longer than the header between commas: '1,5,' may be 1.5.
+    """
+    doubtful = rows.longer and layout.separator == "," and mapping.decimal is None
+    if doubtful and not any({*OTHER} & {*"".join(texts)} for texts in cells.values()):
+        raise BenchError(
+            f"line {rows.lines[0]} has more cells than the header in line {layout.header} and "
+            "whole numbers only: commas may be decimal signs; say `decimal` in the mapping"
+        )
+    read = read_columns(
         [(layout.names[column], texts) for column, texts in cells.items()],
         rows.lines,
         mapping.decimal,
         mapping.thousands,
         layout.separator,
+        mapping.missing,
     )
-    result = {}
-    for (column, texts), spelling in zip(cells.items(), found, strict=True):
-        result[column] = numbers(texts, spelling, mapping.missing)
-        foreign = result[column].foreign
-        _check_share(foreign, texts, rows, layout.names[column], "is not a number")
-    return result
+    for (column, texts), numbers in zip(cells.items(), read, strict=True):
+        _check_share(numbers.foreign, texts, rows, layout.names[column], "is not a number")
+    return dict(zip(cells, read, strict=True))
 
 
 def _check_share(

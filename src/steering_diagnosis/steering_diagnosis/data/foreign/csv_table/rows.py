@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +24,8 @@ from steering_diagnosis.data.foreign.csv_table.names import plain
 LOST_SHARE = 0.1
 """Share of rows, or of a column's cells, that may be lost; beyond it a table is refused."""
 
+DIGITS = frozenset("0123456789")
+
 FEW_ROWS = 10
 """So few rows between two equal headers are another table (of ranges, say), no measurement."""
 
@@ -32,57 +35,69 @@ class Rows:
     """Columns of a table. cells: the wanted ones, n cells each; lines: (n,) int64, from 1.
 
     texts: the rows of texts between header and first number, all their cells; bad: (n,) bool, rows
-    with more or fewer cells than the header, whose cells are empty here; notes: a sentence each.
+    with more or fewer cells than they should have, which are empty here; longer: rows have empty
+    cells behind those of the header; notes: a sentence each.
     """
 
     cells: tuple[tuple[str, ...], ...]
     lines: np.ndarray
     texts: tuple[tuple[str, ...], ...]
     bad: np.ndarray
+    longer: bool
     notes: tuple[str, ...]
 
 
 def read_rows(lines: Sequence[str], layout: Layout, columns: Sequence[int]) -> Rows:
     """Return the cells of ``columns`` (from 0) of all rows below the header.
 
-    A row with more or fewer cells than the header tells nothing: which cell is missing cannot be
-    known. BenchError, with the line: too many of these, a quote that does not end, no numbers.
+    Behind the header's cells a row may have empty ones, if all rows have as many. A row with more
+    or fewer tells nothing: which cell is missing cannot be known. BenchError, with the line: too
+    many of these, a quote that does not end, no numbers.
     """
-    collected = _Collected(layout, columns)
+    found = _Found(layout, columns)
+    count, first = len(layout.names), columns[0]
     for line, row in _rows(lines, layout, columns):
-        collected.add(line, row)
-    return collected.rows(lines)
+        if len(row) == count and row[first][:1] in DIGITS:
+            found.keep(line, count, tuple([row[column] for column in columns]))
+        else:
+            found.judge(line, row)
+    found.without_blank_end()
+    found.without_odd_rows()
+    found.without_open_end(lines)
+    return found.rows()
 
 
-class _Collected:
-    """Rows as they come. ``picked`` has the wanted cells of each, None for a bad row."""
+class _Found:
+    """Rows as they come. picked: the wanted cells of each, None for a row that tells nothing."""
 
     def __init__(self, layout: Layout, columns: Sequence[int]) -> None:
-        self.layout, self.columns = layout, columns
+        self.layout, self.columns = layout, list(columns)
         self.header = [layout.names[column] for column in columns]
         self.picked: list[tuple[str, ...] | None] = []
         self.lines: list[int] = []
-        self.widths: dict[int, int] = {}
+        self.widths: list[int] = []
         self.texts: list[tuple[str, ...]] = []
-        self.again: list[int] = []
+        self.notes: list[str] = []
+        self.again = False
+        self.leading: tuple[int, int] | None = None
 
-    def add(self, line: int, row: list[str]) -> None:
-        layout = self.layout
-        if len(row) != layout.width and not layout.fits(row):
-            if self.picked:
-                self.widths[line] = len(row)
-                self.picked.append(None)
-                self.lines.append(line)
-            return
-        cells = tuple([row[column] for column in self.columns])
-        if not cells[0][:1].isdigit():
-            if self._is_header(line, row):
-                return
-            if not self.picked and not any(map(looks_measured, cells)):
-                self.texts.append(tuple(row))
-                return
+    def keep(self, line: int, width: int, cells: tuple[str, ...] | None) -> None:
         self.picked.append(cells)
         self.lines.append(line)
+        self.widths.append(width)
+
+    def judge(self, line: int, row: list[str]) -> None:
+        """Keep a row, unless it is a header or stands before the first number."""
+        if not self.layout.fits(row):
+            if self.picked:
+                self.keep(line, len(row), None)
+            self.leading = self.leading or (line, len(row))
+        elif not self._is_header(line, row):
+            cells = tuple([row[column] for column in self.columns])
+            if self.picked or any(map(looks_measured, cells)):
+                self.keep(line, len(row), cells)
+            else:
+                self.texts.append(tuple(row))
 
     def _is_header(self, line: int, row: list[str]) -> bool:
         """Return whether this is the header again; BenchError where it means something else."""
@@ -99,58 +114,71 @@ class _Collected:
                 f"the header in line {self.layout.header} stands in line {line} again, after "
                 f"{len(self.picked)} rows: say `header_line` in the mapping"
             )
-        self.again.append(line)
+        if not self.again:
+            self.notes.append(f"the header stands in line {line} again: passed over")
+        self.again = True
         return True
 
-    def rows(self, lines: Sequence[str]) -> Rows:
-        picked, at = self.picked, self.lines
-        while picked and picked[-1] is not None and not any(c.strip() for c in picked[-1]):
-            picked.pop()
-            at.pop()
-        if not picked:
-            raise BenchError(f"no numbers below the header in line {self.layout.header}")
-        notes = self._notes(lines)
+    def without_blank_end(self) -> None:
+        """Forget rows of empty cells at the end; BenchError where nothing else is left."""
+        while self.picked and (last := self.picked[-1]) and not any(c.strip() for c in last):
+            for each in (self.picked, self.lines, self.widths):
+                each.pop()
+        if not self.picked:
+            wide = f" (line {self.leading[0]} has {self._cells(self.leading[1])})"
+            raise BenchError(
+                f"no numbers below the header in line {self.layout.header}"
+                + (wide if self.leading else "")
+            )
+
+    def without_odd_rows(self) -> None:
+        """Let rows tell nothing that have not as many cells as most rows have."""
+        usual = Counter(self.widths).most_common(1)[0][0]
+        for k, width in enumerate(self.widths):
+            if width != usual:
+                self.picked[k] = None
+        odd = [k for k, cells in enumerate(self.picked) if cells is None]
+        if not odd:
+            return
+        told = (
+            f"{len(odd)} of {len(self.picked)} rows have more or fewer cells than they should "
+            f"(first: line {self.lines[odd[0]]} has {self._cells(self.widths[odd[0]])})"
+        )
+        if len(odd) > LOST_SHARE * len(self.picked):
+            raise BenchError(
+                f"{told}: is the decimal sign the separator too? `separator` and `header_line` in "
+                "the mapping decide"
+            )
+        self.notes.append(f"{told}: left out")
+
+    def _cells(self, width: int) -> str:
+        names, sign = len(self.layout.names), shown(self.layout.separator)
+        return f"{width} by {sign}, the header in line {self.layout.header} {names}"
+
+    def without_open_end(self, lines: Sequence[str]) -> None:
+        """Blank the last cell of a file whose last line has no end: it may be cut off."""
+        line, last = len(lines), self.picked[-1]
+        if self.lines[-1] != line or last is None or lines[-1].rstrip().endswith('"'):
+            return
+        row = row_of(lines[-1], self.layout.separator)
+        if row[-1] and len(row) - 1 in self.columns:
+            column = self.columns.index(len(row) - 1)
+            self.picked[-1] = (*last[:column], "", *last[column + 1 :])
+            self.notes.append(
+                f"line {line}, the last one, has no end: the value of '{self.header[column]}' in "
+                "it may be cut off and is left out"
+            )
+
+    def rows(self) -> Rows:
         empty = ("",) * len(self.columns)
         return Rows(
-            cells=tuple(zip(*(cells or empty for cells in picked), strict=True)),
-            lines=np.array(at, dtype=np.int64),
+            cells=tuple(zip(*(cells or empty for cells in self.picked), strict=True)),
+            lines=np.array(self.lines, dtype=np.int64),
             texts=tuple(self.texts),
-            bad=np.array([cells is None for cells in picked]),
-            notes=tuple(notes),
+            bad=np.array([cells is None for cells in self.picked]),
+            longer=max(self.widths) > len(self.layout.names),
+            notes=tuple(self.notes),
         )
-
-    def _notes(self, lines: Sequence[str]) -> list[str]:
-        """Return what is to be said; blank the last cell where the file ends within it."""
-        notes = []
-        count, wanted = len(self.picked), len(self.layout.names)
-        if self.widths:
-            line, width = next(iter(self.widths.items()))
-            told = (
-                f"{len(self.widths)} of {count} rows have more or fewer cells than the header in "
-                f"line {self.layout.header} (first: line {line}, {width} for {wanted})"
-            )
-            if len(self.widths) > LOST_SHARE * count:
-                raise BenchError(
-                    f"{told}, separated by {shown(self.layout.separator)}: a decimal sign that is "
-                    "the separator too? `separator` and `header_line` in the mapping decide"
-                )
-            notes.append(f"{told}: left out")
-        if self.again:
-            notes.append(f"the header stands in line {self.again[0]} again: passed over")
-        last = self.picked[-1]
-        if self.lines[-1] == len(lines) and last is not None and self._ends_open(lines[-1]):
-            column = self.columns.index(len(row_of(lines[-1], self.layout.separator)) - 1)
-            self.picked[-1] = (*last[:column], "", *last[column + 1 :])
-            notes.append(
-                f"line {len(lines)}, the last one, has no end: the value of "
-                f"'{self.header[column]}' in it may be cut off and is left out"
-            )
-        return notes
-
-    def _ends_open(self, line: str) -> bool:
-        """Return whether a file's last line, which has no end, ends within a wanted cell."""
-        row = row_of(line, self.layout.separator)
-        return not line.rstrip().endswith('"') and len(row) - 1 in self.columns and bool(row[-1])
 
 
 def _rows(
@@ -158,13 +186,16 @@ def _rows(
 ) -> Iterator[tuple[int, list[str]]]:
     """Yield line and cells of each row that is neither blank nor a comment."""
     kept = _kept(lines, layout)
-    reader: Any = cells_of((lines[k] for k in kept), layout.separator)
+    reader: Any = cells_of([lines[k] for k in kept], layout.separator)
+    if not any('"' in lines[k] for k in kept):
+        yield from zip((k + 1 for k in kept), reader, strict=True)
+        return
     begin = 0
     try:
         for row in reader:
             line, end = kept[begin] + 1, reader.line_num
             if end > begin + 1:
-                _check_quote(row, [lines[k] for k in kept[begin + 1 : end]], line, layout, columns)
+                _check_quote([lines[k] for k in kept[begin + 1 : end]], line, layout, columns)
             begin = end
             yield line, row
     except csv.Error as error:
@@ -183,15 +214,9 @@ def _kept(lines: Sequence[str], layout: Layout) -> list[int]:
     return [k for k in kept if not is_comment(lines[k], layout)]
 
 
-def _check_quote(
-    row: list[str], inner: Sequence[str], line: int, layout: Layout, columns: Sequence[int]
-) -> None:
+def _check_quote(inner: Sequence[str], line: int, layout: Layout, columns: Sequence[int]) -> None:
     """Raise BenchError where a quoted cell with line ends has swallowed further rows."""
     for text in inner:
         cells = row_of(text, layout.separator)
         if layout.fits(cells) and any(looks_measured(cells[column]) for column in columns):
-            break
-    else:
-        if layout.fits(row):
-            return
-    raise BenchError(f"line {line}: a quote begins in it that does not end in its row")
+            raise BenchError(f"line {line}: a quote begins in it that does not end in its row")
