@@ -3,7 +3,6 @@
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 from csv_dialects import Dialect, Written, dialects, write
 from hypothesis import HealthCheck, event, given, settings

@@ -102,7 +102,7 @@ def find_layout(lines: Sequence[str], wanted: Sequence[str], mapping: Mapping) -
             elif len(bad) < len(SEPARATORS):
                 bad.append((share, layout))
     if good:
-        return _only(good, wanted)
+        return _only(good, [layout for _, layout in bad], wanted)
     return max(bad, key=lambda each: each[0])[1] if bad else None
 
 
@@ -122,8 +122,10 @@ def explain_missing(lines: Sequence[str], wanted: Sequence[str], mapping: Mappin
     return f"line {header}: {told} (`header_line` and `separator` in the mapping say where)"
 
 
-def _only(good: list[tuple[Layout, list[list[str]]]], wanted: Sequence[str]) -> Layout:
-    """Return the first layout, where the others mean the same.
+def _only(
+    good: list[tuple[Layout, list[list[str]]]], bad: list[Layout], wanted: Sequence[str]
+) -> Layout:
+    """Return the first good layout, where the others, and bad ones below it, mean the same.
 
     Blanks separate only where no other sign does: they may stand within cells.
     """
@@ -136,13 +138,17 @@ def _only(good: list[tuple[Layout, list[list[str]]]], wanted: Sequence[str]) -> 
                 f"line {chosen.header} is a header by {shown(chosen.separator)} and by "
                 f"{shown(other.separator)}: say `separator` in the mapping"
             )
-        columns = [[places(name, layout.names) for name in wanted] for layout in (chosen, other)]
-        if columns[0] != columns[1]:
+    for other in (*(layout for layout, _ in good), *bad):
+        if other.header > chosen.header and _columns(other, wanted) != _columns(chosen, wanted):
             raise BenchError(
                 f"lines {chosen.header} and {other.header} may both be the header: say "
                 "`header_line` in the mapping"
             )
     return chosen
+
+
+def _columns(layout: Layout, wanted: Sequence[str]) -> list[list[int]]:
+    return [places(name, layout.names) for name in wanted]
 
 
 def _numbers(lines: Sequence[str], mapping: Mapping) -> range:

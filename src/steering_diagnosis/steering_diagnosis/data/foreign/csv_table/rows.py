@@ -30,6 +30,11 @@ FEW_ROWS = 10
 """So few rows between two equal headers are another table (of ranges, say), no measurement."""
 
 
+HINT = (
+    "; is the decimal sign the separator too? `separator` and `header_line` in the mapping decide"
+)
+
+
 @dataclass(frozen=True, repr=False)
 class Rows:
     """Columns of a table. cells: the wanted ones, n cells each; lines: (n,) int64, from 1.
@@ -125,11 +130,10 @@ class _Found:
             for each in (self.picked, self.lines, self.widths):
                 each.pop()
         if not self.picked:
-            wide = f" (line {self.leading[0]} has {self._cells(self.leading[1])})"
-            raise BenchError(
-                f"no numbers below the header in line {self.layout.header}"
-                + (wide if self.leading else "")
-            )
+            told = f"no numbers below the header in line {self.layout.header}"
+            if self.leading is None:
+                raise BenchError(told)
+            raise BenchError(f"{told}: {self._cells(*self.leading)}{HINT}")
 
     def without_odd_rows(self) -> None:
         """Let rows tell nothing that have not as many cells as most rows have."""
@@ -142,18 +146,15 @@ class _Found:
             return
         told = (
             f"{len(odd)} of {len(self.picked)} rows have more or fewer cells than they should "
-            f"(first: line {self.lines[odd[0]]} has {self._cells(self.widths[odd[0]])})"
+            f"(first: {self._cells(self.lines[odd[0]], self.widths[odd[0]])})"
         )
         if len(odd) > LOST_SHARE * len(self.picked):
-            raise BenchError(
-                f"{told}: is the decimal sign the separator too? `separator` and `header_line` in "
-                "the mapping decide"
-            )
+            raise BenchError(f"{told}{HINT}")
         self.notes.append(f"{told}: left out")
 
-    def _cells(self, width: int) -> str:
+    def _cells(self, line: int, width: int) -> str:
         names, sign = len(self.layout.names), shown(self.layout.separator)
-        return f"{width} by {sign}, the header in line {self.layout.header} {names}"
+        return f"line {line} has {width} by {sign}, the header in line {self.layout.header} {names}"
 
     def without_open_end(self, lines: Sequence[str]) -> None:
         """Blank the last cell of a file whose last line has no end: it may be cut off."""
@@ -215,8 +216,8 @@ def _kept(lines: Sequence[str], layout: Layout) -> list[int]:
 
 
 def _check_quote(inner: Sequence[str], line: int, layout: Layout, columns: Sequence[int]) -> None:
-    """Raise BenchError where a quoted cell with line ends has swallowed further rows."""
+    """Raise BenchError where a quoted cell with line ends has swallowed a row whole."""
     for text in inner:
-        cells = row_of(text, layout.separator)
+        cells = row_of(text, layout.separator) if text.count('"') % 2 == 0 else []
         if layout.fits(cells) and any(looks_measured(cells[column]) for column in columns):
             raise BenchError(f"line {line}: a quote begins in it that does not end in its row")
