@@ -11,7 +11,7 @@ from steering_core.errors import BenchError
 from steering_core.parameters import ParameterError, ParameterSet, load_parameters
 from steering_diagnosis.data import clocks
 from steering_diagnosis.data.channels import CHANNELS, MEASURED
-from steering_diagnosis.data.foreign import Raw, read_foreign
+from steering_diagnosis.data.foreign import TABLES, Raw, read_foreign
 from steering_diagnosis.data.mapping import MappedChannel, Mapping, load_mapping
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.data.resample import Sampled, on_grid, sampled
@@ -28,7 +28,7 @@ def read_record(path: str | Path, mapping: str | Path | None = None) -> Record:
     """
     path = Path(path)
     if mapping is None:
-        if path.suffix.lower() in (".csv", ".mat", ".mf4", ".mdf", ".txt"):
+        if path.suffix.lower() in TABLES | {".mat", ".mf4", ".mdf"}:
             raise BenchError(f"'{path}' needs a mapping file: --mapping FILE (docs/diagnosis.md)")
         from steering_diagnosis.data.bag import record_from_bag
 
@@ -40,7 +40,7 @@ def record_from_file(path: Path, mapping_path: Path) -> Record:
     """Return the record of a CSV, MATLAB or MDF4 file."""
     mapping, _ = load_mapping(mapping_path)
     raw = read_foreign(path, mapping)
-    notes: list[str] = []
+    notes = list(dict.fromkeys(note for channel in raw.values() for note in channel.about))
     channels = {
         name: _in_si(name, channel, raw[name], mapping, path, notes)
         for name, channel in mapping.channels.items()
@@ -86,12 +86,20 @@ def _in_si(
         )
     to_si = factor(channel.unit, unit, f"{path}: {name}")
     values = channel.sign * to_si * (channel.scale * raw.values + channel.offset)
-    return sampled(name, _time(raw, mapping, path) - channel.delay, values)
+    time = _time(raw, mapping, path, notes) - channel.delay
+    return sampled(name, time, values, raw.lost, raw.lines)
 
 
-def _time(raw: Raw, mapping: Mapping, path: Path) -> np.ndarray:
+def _time(raw: Raw, mapping: Mapping, path: Path, notes: list[str]) -> np.ndarray:
+    """Return the instants [s]; the mapping's unit goes before the file's, which is told."""
     if raw.time is not None:
-        return raw.time * factor(mapping.time_unit, "s", f"{path}: time")
+        given = "time_unit" in mapping.model_fields_set
+        unit = mapping.time_unit if given or not raw.time_unit else raw.time_unit
+        if raw.time_unit and not same(raw.time_unit, unit, "s"):
+            note = f"the file says its time is in '{raw.time_unit}', the mapping '{unit}'"
+            if f"{note}: the mapping was followed" not in notes:
+                notes.append(f"{note}: the mapping was followed")
+        return raw.time * factor(unit, "s", f"{path}: time")
     if mapping.rate is None:
         raise BenchError(f"'{path}' has no time: name its column with 'time', or give 'rate' in Hz")
     return np.arange(len(raw.values)) / mapping.rate
