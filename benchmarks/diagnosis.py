@@ -10,6 +10,7 @@ import argparse
 import json
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -17,17 +18,20 @@ from typing import Any
 
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
+from steering_diagnosis.benchmark import missing
 from steering_diagnosis.benchmark.by_door import HEAD, by_door, cells
 from steering_diagnosis.benchmark.cases import KINDS
-from steering_diagnosis.benchmark.doors.channel_sets import LACKABLE
+from steering_diagnosis.benchmark.doors.channel_sets import LACKABLE, NONE
 from steering_diagnosis.benchmark.doors.door import DRAWN, draw_door
 from steering_diagnosis.benchmark.doors.door import KINDS as KINDS_OF_DOOR
 from steering_diagnosis.benchmark.methods import NAMED
+from steering_diagnosis.benchmark.missing import costs, without_each
 from steering_diagnosis.benchmark.page import benchmark_page, rate_row
 from steering_diagnosis.benchmark.runner import (
     FULL,
     FULL_OF,
     NOT_DRAWN,
+    Job,
     calibrate,
     plan,
     run_jobs,
@@ -61,8 +65,10 @@ def parser() -> argparse.ArgumentParser:
         " causes: the engine's own calibration")  # fmt: skip
     add("--doors", default=DRAWN, metavar="DOOR", help=f"{', '.join((DRAWN, *KINDS_OF_DOOR))}: each"
         f" case draws its own (default: {DRAWN}), or all come in through one")  # fmt: skip
-    add("--without", nargs="*", metavar="GROUP", help="these channels are not measured, instead of"
-        f" those drawn: {', '.join(LACKABLE)}")  # fmt: skip
+    add("--without", nargs="+", metavar="GROUP", help="these channels are not measured, instead of"
+        f" those drawn: {', '.join((NONE, *LACKABLE))}")  # fmt: skip
+    add("--missing", action="store_true", help="N specimens, each with all channels and without"
+        " some: what a missing channel costs")  # fmt: skip
     add("--json", type=Path, metavar="FILE", help="write the numbers here too")
     add(
         "--page", type=Path, metavar="FILE", help="write the HTML page here (default: in --records)"
@@ -96,24 +102,15 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
     cases, least = (FULL, FULL_OF) if asked.full else (asked.cases, None)
     doors = partial(draw_door, kind=asked.doors, lacking=asked.without)
     jobs = plan(cases, asked.seed, asked.kinds, least, doors)
-    with Steps("diagnosis") as bar, pool(asked.jobs) as executor:
-        count = 0
-
-        def done(judgement: Judgement) -> None:
-            nonlocal count
-            count += 1
-            bar(count / len(jobs), f"{count} of {len(jobs)}: {judgement.case}")
-
-        judgements = run_jobs(jobs, asked.method, folder, executor, done)
+    if asked.missing:
+        return _missing(asked, _judged(asked, without_each(jobs), folder))
+    judgements = _judged(asked, jobs, folder)
     numbers = report(asked.method, judgements)
     for line in rates(judgements):
         what, value, interval, counted, target = rate_row(line)
         print(f"{what:48}{value:>8}  [{interval:13}] of {counted:>3}   target {target}")
-    _by_door(judgements)
-    failures = [j for j in judgements if j.failure]
-    for j in failures:
-        what = "" if j.kind == NOT_DRAWN else "the method failed: "
-        print(f"{j.case}: {what}{j.failure}")
+    _print_table((HEAD, *(cells(row) for row in by_door(judgements))))
+    failures = _tell_failures(judgements)
     page = asked.page or (asked.records / "benchmark.html" if asked.records else None)
     if page is not None:
         benchmark_page(asked.method, rates(judgements), confusion(judgements), judgements).write(
@@ -124,10 +121,41 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
     return 1 if len(failures) == len(judgements) else 0
 
 
-def _by_door(judgements: list[Judgement]) -> None:
+def _judged(asked: argparse.Namespace, jobs: list[Job], folder: Path) -> list[Judgement]:
+    """Return the judgements of all jobs, with a bar."""
+    with Steps("diagnosis") as bar, pool(asked.jobs) as executor:
+        count = 0
+
+        def done(judgement: Judgement) -> None:
+            nonlocal count
+            count += 1
+            bar(count / len(jobs), f"{count} of {len(jobs)}: {judgement.case}")
+
+        return run_jobs(jobs, asked.method, folder, executor, done)
+
+
+def _missing(asked: argparse.Namespace, judgements: list[Judgement]) -> int:
+    """Tell what each missing channel costs."""
+    found = costs(judgements)
+    _print_table((missing.HEAD, *(missing.cells(cost) for cost in found)))
+    _tell_failures(judgements)
+    lines = [judgement.as_json() for judgement in judgements]
+    _write(asked.json, {"costs": [asdict(cost) for cost in found], "judgements": lines})
+    return 0
+
+
+def _tell_failures(judgements: list[Judgement]) -> list[Judgement]:
+    failures = [j for j in judgements if j.failure]
+    for j in failures:
+        what = "" if j.kind == NOT_DRAWN else "the method failed: "
+        print(f"{j.case}: {what}{j.failure}")
+    return failures
+
+
+def _print_table(lines: Sequence[Sequence[str]]) -> None:
     print()
-    for line in (HEAD, *(cells(row) for row in by_door(judgements))):
-        print(f"{line[0]:32}" + "".join(f"{cell:>14}" for cell in line[1:]))
+    for line in lines:
+        print(f"{line[0]:32}" + "".join(f"{cell:>13}" for cell in line[1:]))
     print()
 
 

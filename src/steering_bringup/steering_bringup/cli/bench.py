@@ -34,7 +34,7 @@ OF_DIAGNOSIS = (
     "calibrate",
     "clean_gains",
 )
-"""Options that are handed on to the sealed benchmark of diagnosis, with --full."""
+"""Options that are handed on to the sealed benchmark of diagnosis, with --full and --missing."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +53,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = sealed.add_argument
     add("--cases", metavar="N", help="cases; 200 for the whole benchmark (default: 20)")
     add("--full", action="store_true", help="200 cases; of the clean 300, outside 60")
+    add("--missing", action="store_true", help="the same cases with all channels, and without some")
     add("--kinds", metavar="KIND", nargs="+", help="clean, visible, invisible, pair, outside")
     add("--seed", metavar="S", help="other records for another seed")
     add(
@@ -111,7 +112,7 @@ def benchmarks() -> dict[str, Path]:
 def _of_diagnosis(options: argparse.Namespace) -> list[str]:
     """Return what is handed on to the benchmark of diagnosis; BenchError where it does not run."""
     given = {name: getattr(options, name) for name in OF_DIAGNOSIS if getattr(options, name)}
-    more = [] if not options.full else ["--full"]
+    more = [f"--{name}" for name in ("full", "missing") if getattr(options, name)]
     for name, value in given.items():
         more += [f"--{name.replace('_', '-')}", *(value if isinstance(value, list) else [value])]
     if more and "diagnosis" not in options.names:

@@ -78,9 +78,7 @@ def draw_case(
     effect: hide this one (a pair: this one and another). BenchError for an unknown kind or effect,
     or where it cannot be made visible within its largest size.
     """
-    if kind not in KINDS:
-        raise BenchError(unknown("kind of case", kind, KINDS))
-    random = np.random.default_rng([seed, KINDS.index(kind)])
+    random = _random(kind, seed)
     system, wanted = _wanted(random, kind, effect)
     nominal = load_parameters()
     for _ in range(TRIES):
@@ -104,6 +102,17 @@ def draw_case(
         load = "" if second is None else second.load
         return Drawn(sealed, nominal, signals, made, kept, load, view)
     raise BenchError(f"no record of seed {seed} shows {', '.join(wanted)}: take another seed")
+
+
+def system_of(kind: str, seed: int, effect: str | None) -> str:
+    """Return the valve system of a case, without drawing the rest of it."""
+    return _wanted(_random(kind, seed), kind, effect)[0]
+
+
+def _random(kind: str, seed: int) -> np.random.Generator:
+    if kind not in KINDS:
+        raise BenchError(unknown("kind of case", kind, KINDS))
+    return np.random.default_rng([seed, KINDS.index(kind)])
 
 
 def _record(

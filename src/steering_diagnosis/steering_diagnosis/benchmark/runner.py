@@ -149,8 +149,9 @@ def solve(job: Job, method: str, folder: Path) -> Judgement:
         )
     try:
         at = prepare(job, folder)
-    except BenchError as error:
-        return Judgement(job.case, NOT_DRAWN, (), NOT_DRAWN, failure=str(error))
+    except Exception as error:
+        text = str(error) if isinstance(error, BenchError) else f"{type(error).__name__}: {error}"
+        return Judgement(job.case, NOT_DRAWN, (), NOT_DRAWN, failure=text)
     sealed = read_sealed(_sealed(job, folder))
     started = time.perf_counter()
     report: dict[str, Any] = {}
@@ -186,10 +187,21 @@ def _sealed(job: Job, folder: Path) -> Path:
     return folder / "sealed" / f"{job.case}.json"
 
 
-@lru_cache(maxsize=1)
 def _drawn(kind: str, seed: int, effect: str | None) -> Drawn:
-    """Return a specimen with its records; the last one is remembered for its other doors."""
-    return draw_case(kind, seed, effect, holdout=True)
+    """Return a specimen with its records; BenchError where it cannot be drawn."""
+    found = _attempt(kind, seed, effect)
+    if isinstance(found, BenchError):
+        raise found
+    return found
+
+
+@lru_cache(maxsize=1)
+def _attempt(kind: str, seed: int, effect: str | None) -> Drawn | BenchError:
+    """Return a specimen or why there is none; the last is remembered for its other doors."""
+    try:
+        return draw_case(kind, seed, effect, holdout=True)
+    except BenchError as error:
+        return error
 
 
 def calibrate(

@@ -137,8 +137,7 @@ def _weights(view: View, lacking: tuple[str, ...], door: Door, signals: Signals)
             more[name] += few[row] ** 2
     angle = stiffness * WHITE[s.ANGLE_OUT] / WHITE[s.TORQUE_OUT]
     more["torsion_bar_torque"] += (few[s.ANGLE_OUT] * angle) ** 2 / (1.0 + angle**2)
-    level = WHITE * np.hypot(1.0, COLOURED)
-    more["load_force"] += (few[s.FORCE_OUT] * level[s.FORCE_OUT] / LOAD_NOISE) ** 2
+    more["load_force"] += (_command_rounding(door, signals) / LOAD_NOISE) ** 2
     driving = [s.FORCE_OUT] if "load_command" in lacking else []
     driving += [s.LEFT_OUT, s.RIGHT_OUT] if probe.pressed else []
     for row in driving:
@@ -154,15 +153,37 @@ def _weights(view: View, lacking: tuple[str, ...], door: Door, signals: Signals)
 
 def _rounding(door: Door, signals: Signals) -> np.ndarray:
     """Return what few digits add to each measured channel, over its noise, (9,)."""
-    if not door.logger.digits:
-        return np.zeros(len(MEASURED))
     found = []
     for row, name in enumerate(MEASURED):
-        written = in_rig_units(name, signals.measured[:, row])
-        unit = in_rig_units(name, np.ones(1))[0]
-        error = (rounded(written, door.logger.digits) - written) / unit
+        values = signals.measured[:, row]
+        error = _written(name, values, door.logger.digits) - values
         found.append(np.std(error) / (WHITE[row] * np.hypot(1.0, COLOURED)))
     return np.array(found)
+
+
+def _command_rounding(door: Door, signals: Signals) -> float:
+    """Return what few digits add to the load's balance, cell and command [N]."""
+    position, digits = signals.measured[:, s.RACK_OUT], door.logger.digits
+    force, stiffness, at = signals.load.T
+    cell = signals.measured[:, s.FORCE_OUT]
+    exact = force + stiffness * (position - at) - cell
+    force, stiffness, at = (
+        _written(name, values, digits)
+        for name, values in zip(LACKABLE["load_command"], signals.load.T, strict=True)
+    )
+    rack, cell = (
+        _written("rack_position", position, digits),
+        _written("rack_force", cell, digits),
+    )
+    return float(np.std(force + stiffness * (rack - at) - cell - exact))
+
+
+def _written(channel: str, values: np.ndarray, digits: int) -> np.ndarray:
+    """Return SI values as a file with so many digits has them."""
+    if not digits:
+        return values
+    unit = in_rig_units(channel, np.ones(1))[0]
+    return np.asarray(rounded(in_rig_units(channel, values), digits) / unit)
 
 
 def _weighed(view: View, weights: np.ndarray) -> View:

@@ -128,7 +128,7 @@ class Sensitivity:
             if length < 1e-9:
                 continue
             left = float(np.linalg.norm(d - r * float(r @ d) / length**2))
-            if left < TELLING and left <= HALF * np.linalg.norm(d):
+            if left < TELLING and left < HALF * np.linalg.norm(d):
                 found.append(rival)
         return found
 

@@ -27,6 +27,9 @@ LACKABLE: Mapping[str, tuple[str, ...]] = {
 RIG = ("load_command", "speeds", "driver_torque", "valve_commands")
 """What a rig with seven sensors lacks; angle, torque, three pressures, position, force remain."""
 
+NONE = "none"
+"""Word for no group: all channels are measured."""
+
 CHAMBERS = ("left_pressure", "right_pressure")
 ALL_MEASURED, AS_A_RIG = 0.25, 0.25
 """Shares of cases with all channels and with a rig's seven; the others lack one or two groups."""
@@ -52,11 +55,14 @@ def both(groups: Iterable[str]) -> bool:
 
 
 def checked(groups: Iterable[str]) -> tuple[str, ...]:
-    """Return the groups in their order; BenchError for an unknown one, or where too many lack."""
-    asked = set(groups)
+    """Return the groups in their order, none for "none".
+
+    BenchError for an unknown one, or where too many lack.
+    """
+    asked = set(groups) - {NONE}
     for name in asked:
         if name not in LACKABLE:
-            raise BenchError(unknown("group of channels", name, LACKABLE))
+            raise BenchError(unknown("group of channels", name, (NONE, *LACKABLE)))
     if both(asked):
         raise BenchError("without valve_commands both chamber pressures must be measured")
     return tuple(name for name in LACKABLE if name in asked)
