@@ -67,6 +67,8 @@ def is_right(raw: Raw) -> None:
         "t: time, p: pressure\n1,2\n\n" + table(),
         "Kanäle:;t;p\n" + table(";", ","),
         "# " + table(),
+        "# " + table(" "),
+        "% " + table("\t"),
         "#t,p\n# a comment, 2\n" + table().partition("\n")[2],
         table().replace("\n", "\n# 1,2,3\n// 4,5\n% 6\n"),
         table().replace("\n0.005", "\n\n   \n0.005"),
@@ -424,8 +426,13 @@ def test_a_column_of_one_channel_with_a_rate(tmp_path):
         data = "p\n" + "".join(row.format(p).replace(".", ",") + "\n" for p in P)
         raw = read(tmp_path, data, time="", rate=1000.0, channels=channels, decimal=",")
         np.testing.assert_array_equal(raw.values, P)
-    with pytest.raises(BenchError, match="line 2 is blank"):
-        read(tmp_path, data.replace("\n5", "\n\n5", 2), time="", rate=1000.0, channels=channels)
+    rated = {"time": "", "rate": 1000.0, "channels": channels}
+    with pytest.raises(BenchError, match="line 3 is blank"):
+        read(tmp_path, data.replace("\n5,7", "\n\n5,7"), **rated)
+    with pytest.raises(BenchError, match="the header stands in line 13 again"):
+        read(tmp_path, table().replace("\n0.011", "\nt,p\n0.011"), **rated)
+    with pytest.raises(BenchError, match="line 13 is a row of texts"):
+        read(tmp_path, table().replace("\n0.011", "\nt,q\n0.011"), **rated)
 
 
 @pytest.mark.parametrize(

@@ -166,22 +166,23 @@ def _layouts(
     if '"' not in text and not all(plain(name) in plain(text) for name in wanted):
         return
     comments = mapping.comment or COMMENTS
-    sign = next((sign for sign in comments if text.lstrip().startswith(sign)), None)
+    sign = next((sign for sign in comments if text.lstrip().startswith(sign)), "")
     for separator in _separators(lines, mapping):
-        names, height = _names(lines, number, separator)
-        if sign is not None and not all(places(name, names) for name in wanted):
-            bare = text.lstrip().removeprefix(sign).lstrip(" ")
-            names = [plain(name) for name in row_of(bare, separator)]
-        if all(places(name, names) for name in wanted):
-            filled = max(k for k, name in enumerate(names) if name) + 1
-            yield Layout(
-                separator=separator,
-                header=number,
-                first=number - 1 + height,
-                names=tuple(names[:filled]),
-                comments=comments,
-                given=mapping.header_line is not None,
-            )
+        headers = [_names(lines, number, separator)]
+        if sign:
+            bare = row_of(text.lstrip().removeprefix(sign).lstrip(" "), separator)
+            headers.append(([plain(name) for name in bare], 1))
+        for names, height in headers:
+            if all(places(name, names) for name in wanted):
+                filled = max(k for k, name in enumerate(names) if name) + 1
+                yield Layout(
+                    separator=separator,
+                    header=number,
+                    first=number - 1 + height,
+                    names=tuple(names[:filled]),
+                    comments=comments,
+                    given=mapping.header_line is not None,
+                )
 
 
 def _separators(lines: Sequence[str], mapping: Mapping) -> list[str]:

@@ -86,9 +86,9 @@ def _column(asked: Asked, layout: Layout) -> int:
 def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
     layout = table.layout
     columns = sorted(set(table.columns.values()))
-    rows = read_rows(table.lines, layout, columns)
+    clock = table.columns.get((mapping.time, mapping.time_column)) if mapping.time else None
+    rows = read_rows(table.lines, layout, columns, timed=clock is not None)
     cells = dict(zip(columns, rows.cells, strict=True))
-    clock = table.columns.get((mapping.time, mapping.time_column))
     time, time_unit = None, ""
     if clock is not None and (mapping.time_format or are_instants(cells[clock])):
         time = _dates(cells.pop(clock), rows, layout.names[clock], mapping)
@@ -103,6 +103,8 @@ def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
         if column not in read:
             raise BenchError(f"line {layout.header}: '{channel.source}' holds dates, no numbers")
         lost = _lost(cells[column], read[column], rows)
+        if not lost and clock in read:
+            lost = _lost(cells[clock], read[clock], rows)
         values = read[column].values
         result[name] = Raw(values, time, units[column], time_unit, rows.lines, lost, rows.notes)
     return result

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from steering_core.errors import BenchError
-from steering_diagnosis.data.foreign.csv_table.cells import looks_measured
+from steering_diagnosis.data.foreign.csv_table.cells import is_missing, looks_measured
 from steering_diagnosis.data.foreign.csv_table.layout import (
     Layout,
     cells_of,
@@ -30,6 +30,7 @@ FEW_ROWS = 10
 """So few rows between two equal headers are another table (of ranges, say), no measurement."""
 
 
+PAUSE = "without a time it cannot be known how long a pause there is; cut the file there"
 HINT = (
     "; is the decimal sign the separator too? `separator` and `header_line` in the mapping decide"
 )
@@ -52,16 +53,18 @@ class Rows:
     notes: tuple[str, ...]
 
 
-def read_rows(lines: Sequence[str], layout: Layout, columns: Sequence[int]) -> Rows:
+def read_rows(lines: Sequence[str], layout: Layout, columns: Sequence[int], timed: bool) -> Rows:
     """Return the cells of ``columns`` (from 0) of all rows below the header.
+
+    timed: one of them is the time. Else rows are counted, and none may be missing in silence.
 
     Behind the header's cells a row may have empty ones, if all rows have as many. A row with more
     or fewer tells nothing: which cell is missing cannot be known. BenchError, with the line: too
     many of these, a quote that does not end, no numbers.
     """
-    found = _Found(layout, columns)
+    found = _Found(layout, columns, timed)
     count, first = len(layout.names), columns[0]
-    for line, row in _rows(lines, layout, columns):
+    for line, row in _rows(lines, layout, columns, timed):
         if len(row) == count and row[first][:1] in DIGITS:
             found.keep(line, count, tuple([row[column] for column in columns]))
         else:
@@ -75,8 +78,8 @@ def read_rows(lines: Sequence[str], layout: Layout, columns: Sequence[int]) -> R
 class _Found:
     """Rows as they come. picked: the wanted cells of each, None for a row that tells nothing."""
 
-    def __init__(self, layout: Layout, columns: Sequence[int]) -> None:
-        self.layout, self.columns = layout, list(columns)
+    def __init__(self, layout: Layout, columns: Sequence[int], timed: bool) -> None:
+        self.layout, self.columns, self.timed = layout, list(columns), timed
         self.header = [layout.names[column] for column in columns]
         self.picked: list[tuple[str, ...] | None] = []
         self.lines: list[int] = []
@@ -100,9 +103,16 @@ class _Found:
         elif not self._is_header(line, row):
             cells = tuple([row[column] for column in self.columns])
             if self.picked or any(map(looks_measured, cells)):
+                self._check_text(line, row)
                 self.keep(line, len(row), cells)
             else:
                 self.texts.append(tuple(row))
+
+    def _check_text(self, line: int, row: list[str]) -> None:
+        """Raise BenchError where another table seems to begin and no time would show it."""
+        texts = [cell for cell in row if not is_missing(cell) and not looks_measured(cell)]
+        if not self.timed and len(texts) == len(self.layout.names):
+            raise BenchError(f"line {line} is a row of texts: {PAUSE}")
 
     def _is_header(self, line: int, row: list[str]) -> bool:
         """Return whether this is the header again; BenchError where it means something else."""
@@ -119,6 +129,8 @@ class _Found:
                 f"the header in line {self.layout.header} stands in line {line} again, after "
                 f"{len(self.picked)} rows: say `header_line` in the mapping"
             )
+        if not self.timed and self.picked:
+            raise BenchError(f"the header stands in line {line} again: {PAUSE}")
         if not self.again:
             self.notes.append(f"the header stands in line {line} again: passed over")
         self.again = True
@@ -183,10 +195,10 @@ class _Found:
 
 
 def _rows(
-    lines: Sequence[str], layout: Layout, columns: Sequence[int]
+    lines: Sequence[str], layout: Layout, columns: Sequence[int], timed: bool
 ) -> Iterator[tuple[int, list[str]]]:
     """Yield line and cells of each row that is neither blank nor a comment."""
-    kept = _kept(lines, layout)
+    kept = _kept(lines, layout, timed)
     reader: Any = cells_of([lines[k] for k in kept], layout.separator)
     if not any('"' in lines[k] for k in kept):
         yield from zip((k + 1 for k in kept), reader, strict=True)
@@ -203,15 +215,12 @@ def _rows(
         raise BenchError(f"line {kept[begin] + 1}: {error}: a quote that does not end?") from None
 
 
-def _kept(lines: Sequence[str], layout: Layout) -> list[int]:
+def _kept(lines: Sequence[str], layout: Layout, timed: bool) -> list[int]:
     below = range(layout.first, len(lines))
     kept = [k for k in below if (line := lines[k]) and not line.isspace()]
-    if len(layout.names) == 1 and kept and len(kept) < kept[-1] - layout.first + 1:
-        blank = next(k for k in range(layout.first, kept[-1]) if not lines[k].strip())
-        raise BenchError(
-            f"line {blank + 1} is blank: in a table of one column it may be a lost value or "
-            "nothing; write 'NaN' there or take the line out"
-        )
+    if not timed and kept and len(kept) < kept[-1] - kept[0] + 1:
+        blank = next(k for k in range(kept[0], kept[-1]) if not lines[k].strip())
+        raise BenchError(f"line {blank + 1} is blank: {PAUSE}, or write 'NaN' for a lost value")
     return [k for k in kept if not is_comment(lines[k], layout)]
 
 
