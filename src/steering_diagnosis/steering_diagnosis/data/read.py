@@ -15,6 +15,7 @@ from steering_diagnosis.data.foreign import TABLES, Raw, read_foreign
 from steering_diagnosis.data.mapping import MappedChannel, Mapping, load_mapping
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.data.resample import Sampled, on_grid, sampled
+from steering_diagnosis.data.ticks import in_ticks
 from steering_diagnosis.data.units import factor, same
 from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 
@@ -45,7 +46,7 @@ def record_from_file(path: Path, mapping_path: Path) -> Record:
         name: _in_si(name, channel, raw[name], mapping, path, notes)
         for name, channel in mapping.channels.items()
     }
-    channels = _on_one_clock(channels, mapping, notes)
+    channels = in_ticks(_on_one_clock(channels, mapping, notes), notes)
     for channel in channels.values():
         notes += channel.findings
     start, count = _span(channels, path)

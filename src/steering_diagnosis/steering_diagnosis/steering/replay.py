@@ -18,7 +18,7 @@ from steering_diagnosis.steering.drive import RUN_UP, Drive
 from steering_diagnosis.steering.full_model import full_model
 from steering_diagnosis.steering.outputs import Predicted, Run, acting, outputs_of
 from steering_diagnosis.steering.simulation import Simulation
-from steering_diagnosis.steering.smoothing import bridged, spectrum
+from steering_diagnosis.steering.smoothing import bridged, noise_like, spectrum
 
 UNSETTLED = 300
 """Samples at the beginning that are not judged: hidden states are only guessed there."""
@@ -28,7 +28,11 @@ FRICTIONLESS, LONGEST = 6.0, 0.25
 share of a record that is given up for it at most."""
 
 CUT_OFF = 100
-"""Samples at the end that are not judged: smooth inputs have no future there."""
+"""Samples at the end, and before a gap, that are not judged: smooth inputs have no future there."""
+
+BRIDGED = 4
+"""Ticks without an input up to which a straight line is as good as a sample: at 50 rad/s^2 a wheel
+leaves it by 1e-4 rad, half of its sensor's noise."""
 
 SHAKING = (
     "steering_wheel_angle",
@@ -36,6 +40,8 @@ SHAKING = (
     "rack_position",
     "rack_speed",
     "rack_force",
+    "left_pressure",
+    "right_pressure",
 )
 """Channels whose noise shakes the replay, as far as they drive it."""
 
@@ -72,6 +78,8 @@ class SteeringReplay:
         self.judged = np.ones(len(record), dtype=bool)
         self.judged[: settled(self.drive)] = False
         self.judged[-CUT_OFF:] = False
+        for gap in gaps(self.drive):
+            self.judged[max(gap.start - CUT_OFF, 0) : settled(self.drive, gap.stop)] = False
         if record.excluded is not None:
             self.judged &= ~record.excluded
 
@@ -155,8 +163,7 @@ class SteeringReplay:
         """Return a replay whose inputs have more noise, and that of the outputs, (n, outputs)."""
         random = np.random.default_rng(0)
         added = {
-            name: spectrum(bridged(self.record[name])).noise
-            * random.standard_normal(len(self.record))
+            name: noise_like(bridged(self.record[name]), random)
             for name in SHAKING
             if name in self.record
         }
@@ -189,18 +196,29 @@ class SteeringReplay:
         }
 
 
-def settled(drive: Drive) -> int:
-    """Return the first sample that is judged.
+def settled(drive: Drive, begin: int = 0) -> int:
+    """Return the first sample that is judged after ``begin``, where nothing is known of the states.
 
     Before it hidden states are guessed, and the rack's friction depends on how the rack came there.
     """
     nominal = drive.record.nominal
-    angle = drive.curves["steering_wheel_angle"].values[RUN_UP:]
+    angle = drive.curves["steering_wheel_angle"].values[RUN_UP + begin :]
+    if not len(angle):
+        return begin
     reach = FRICTIONLESS * nominal["mechanics.rack_friction_displacement"]
     moved = np.maximum.accumulate(angle) - np.minimum.accumulate(angle)
     free = np.flatnonzero(moved / nominal["mechanics.gear_ratio"] > reach)
     longest = max(UNSETTLED, int(LONGEST * len(angle)))
-    return int(np.clip(free[0] if len(free) else longest, UNSETTLED, longest))
+    return begin + int(np.clip(free[0] if len(free) else longest, UNSETTLED, longest))
+
+
+def gaps(drive: Drive) -> list[slice]:
+    """Return where an input of the replay is missing for too long to be bridged."""
+    record = drive.record
+    driving = [*drive.inputs(), *(["rack_force"] if drive.load == "cell" else [])]
+    missing = np.any([np.isnan(record[name]) for name in driving], axis=0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], missing.astype(np.int8), [0]])))
+    return [slice(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a > BRIDGED]
 
 
 def bind(record: Record) -> BoundModel:
