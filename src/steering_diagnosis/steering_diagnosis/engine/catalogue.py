@@ -138,10 +138,9 @@ def _wrong_parameter(n: Nuisance, balance: str) -> Hypothesis:
 
 def room_for(step: float, value: float, low: float, high: float) -> float:
     """Return a step from ``value`` that ends in its range: the other way, or as far as it goes."""
-    if value + step <= high:
-        return step
-    if value - step >= low:
-        return -step
+    for taken in (step, -step):
+        if low <= value + taken <= high:
+            return taken
     up, down = high - value, low - value
     return up if up >= -down else down
 
