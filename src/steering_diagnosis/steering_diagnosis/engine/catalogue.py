@@ -94,9 +94,8 @@ class Catalogue:
         for name, value in values.items():
             nuisance = self.nuisance_of(name)
             parameters = self.hypotheses[name].parameters
-            given = {
-                p.name: _within(v, p.low, p.high) for p, v in zip(parameters, value, strict=True)
-            }
+            inside = [_within(v, p.low, p.high) for p, v in zip(parameters, value, strict=True)]
+            given = {p.name: v - p.turned(v) for p, v in zip(parameters, inside, strict=True)}
             if nuisance is None:
                 effects[name] = given
             else:
@@ -138,10 +137,9 @@ def _wrong_parameter(n: Nuisance, balance: str) -> Hypothesis:
 
 def room_for(step: float, value: float, low: float, high: float) -> float:
     """Return a step from ``value`` that ends in its range: the other way, or as far as it goes."""
-    if value + step <= high:
-        return step
-    if value - step >= low:
-        return -step
+    for taken in (step, -step):
+        if low <= value + taken <= high:
+            return taken
     up, down = high - value, low - value
     return up if up >= -down else down
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from steering_diagnosis.engine.agreement import records_apart
 from steering_diagnosis.engine.ambiguity import Comparison, as_good, compare
+from steering_diagnosis.engine.ends import pressed
 from steering_diagnosis.engine.evidence import Evidence, HeldOut
 from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Region, Rms
 from steering_diagnosis.engine.fit import Fit
@@ -55,9 +56,10 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     causes = _causes(search, best, evidence, rivals, block, held_noise)
     least = problem.settings.least_unexplained
     regions = [r for left in kept.left for r in left.regions(least)] or list(kept.against)
+    ends = pressed(search, best)
     if not regions and not causes:
         apart = records_apart(search, noise)
-        regions = [apart] if apart else []
+        regions = [apart] if apart else [end.region for end in ends]
     undecidable = _undecidable(search)
     book = problem.book
     call, call0 = book.call(best.z, best.values), book.call(null.z, null.values)
@@ -83,7 +85,7 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         residual_nominal=nominal,
         residual_refitted=null.residual,
         residual_extended=best.residual,
-        notes=(*kept.notes, *_not_tried(search)),
+        notes=(*kept.notes, *(end.text for end in ends), *_not_tried(search)),
     )
 
 

@@ -128,9 +128,11 @@ def structures(remains: Remains) -> list[Structure]:
 
 
 def band(part: np.ndarray, step_s: float) -> tuple[float, float]:
-    """Return the band that holds the middle half of a signal's energy [Hz]."""
+    """Return the band that holds the middle half of a signal's energy [Hz]; a constant has none."""
     f, power = signal.periodogram(part, 1.0 / step_s, detrend="constant")
-    share = np.cumsum(power) / max(power.sum(), 1e-300)
+    if power.sum() <= 0.0:
+        return 0.0, 0.0
+    share = np.cumsum(power) / np.cumsum(power)[-1]
     return float(f[np.searchsorted(share, 0.25)]), float(f[np.searchsorted(share, 0.75)])
 
 

@@ -11,11 +11,14 @@ from steering_diagnosis.engine.catalogue import Catalogue, Values, scale
 from steering_diagnosis.engine.evaluate import Call, Evaluator, Failed
 from steering_diagnosis.engine.model import Hypothesis
 
+DIVERGES = 1e6
+"""Change by a visible size over what most hypotheses change, and over the nominal error, from which
+the model diverges: a number that is none."""
 FAR = (4.0, 5.0, 6.0)
 """Further steps, in typical sizes, of a hypothesis that has shapes only."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Template:
     """One trial of a hypothesis: residual changes linearly with the free parameters.
 
@@ -92,7 +95,7 @@ def templates(
 ) -> tuple[list[Template], dict[str, str]]:
     """Return the templates of the whole catalogue about the nominal model.
 
-    And why hypotheses have none: no step of theirs can be replayed.
+    And why hypotheses have none: no step of theirs can be replayed, or all of them diverge.
     """
     trials = [
         (h, start, free)
@@ -136,8 +139,20 @@ def templates(
             found.append(
                 Template(h.name, np.array([h.parameters[0].neutral], float), (0,), unit, columns)
             )
-    known = {t.hypothesis for t in found}
-    return found, {name: why for name, why in failed.items() if name not in known}
+    kept = _measurable(found, base)
+    failed |= {t.hypothesis: "its error grows beyond all measure" for t in found if t not in kept}
+    known = {t.hypothesis for t in kept}
+    return kept, {name: why for name, why in failed.items() if name not in known}
+
+
+def _measurable(found: Sequence[Template], base: np.ndarray) -> list[Template]:
+    """Return the templates that do not diverge: beside one, the others' equations are no more."""
+    sizes = [np.sqrt(np.nanmean(t.columns**2, axis=(0, 2))) for t in found]
+    usual = np.sqrt(np.nanmean(base**2, axis=0))
+    if sizes:
+        usual = np.maximum(usual, np.median(sizes, axis=0))
+    most = np.where(usual > 0.0, DIVERGES * usual, np.inf)
+    return [t for t, s in zip(found, sizes, strict=True) if np.all(s <= most)]
 
 
 def _units(h: Hypothesis, free: tuple[int, ...], grid: Sequence[float]) -> list[np.ndarray]:

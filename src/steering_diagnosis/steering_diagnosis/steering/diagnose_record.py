@@ -9,9 +9,11 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
+from steering_core.errors import BenchError
+from steering_core.parameters import ParameterError
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.engine.diagnose import diagnose
-from steering_diagnosis.engine.failures import OF_A_REPLAY, reason
+from steering_diagnosis.engine.failures import NUMERICAL, reason
 from steering_diagnosis.engine.findings import Findings
 from steering_diagnosis.engine.model import Effects
 from steering_diagnosis.engine.reporting import to_report
@@ -96,14 +98,16 @@ def _balances(
 
     Beside the replay every measured state is prescribed: what was found stands without it.
     """
-    extended, refitted = (findings.nuisances, findings.effects), (findings.refitted, {})
+    models: dict[str, tuple[Mapping[str, float], Effects]] = {
+        "extended": (findings.nuisances, findings.effects),
+        "refitted": (findings.refitted, {}),
+    }
     lost: list[str] = []
-    for model in (extended, refitted):
+    for name, model in models.items():
         try:
             return Balances(replay).errors(*model, findings.refitted), lost
-        except OF_A_REPLAY as error:
-            what = "the extended model" if model is extended else "any model"
-            lost.append(f"balances could not be made with {what}: {reason(error)}")
+        except (*NUMERICAL, BenchError, ParameterError) as error:
+            lost.append(f"balances of the {name} model could not be made: {reason(error)}")
     return (), lost
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from steering_core.errors import BenchError
 from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.engine.failures import NUMERICAL, reason
 from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
 from steering_diagnosis.steering import ripple, suspects
 from steering_diagnosis.steering.drive import RUN_UP, Drive
@@ -95,22 +96,29 @@ class SteeringReplay:
         if ripple.CHANNEL in self.record:
             error = ripple.supply_error(self.run({}, {}))
             line = ripple.find_line(error[judged])
-        kept = {n: h for n, h in self.hypotheses.items() if n != ripple.EFFECT}
         if line is None:
-            why = "no line stands out of the supply pressure between 25 and 450 Hz"
-            self.undecidable = (*self.undecidable, Undecidable(ripple.EFFECT, why))
-            self.hypotheses = kept
+            self._leave_out(
+                ripple.EFFECT, "no line stands out of the supply pressure between 25 and 450 Hz"
+            )
             return
 
         def answer(amplitude: float, hz: float) -> np.ndarray:
             given = {"amplitude": amplitude, "frequency": hz, "phase": 0.0}
             return ripple.supply_error(self.run({}, {ripple.EFFECT: given}))
 
-        amplitude, phase = ripple.estimate(line, error, answer)
+        try:
+            amplitude, phase = ripple.estimate(line, error, answer)
+        except (*NUMERICAL, BenchError) as failure:
+            self._leave_out(ripple.EFFECT, f"could not be tried: {reason(failure)}")
+            return
         found = ripple.at_line(self.hypotheses[ripple.EFFECT], line, amplitude, phase)
-        self.hypotheses = kept | {ripple.EFFECT: found}
+        self.hypotheses = {**self.hypotheses, ripple.EFFECT: found}
         self._predicted = (*self._predicted, *ripple.shifted(line))
         self.outputs = tuple(p.output for p in self._predicted)
+
+    def _leave_out(self, effect: str, why: str) -> None:
+        self.undecidable = (*self.undecidable, Undecidable(effect, why))
+        self.hypotheses = {n: h for n, h in self.hypotheses.items() if n != effect}
 
     def run(self, nuisances: Mapping[str, float], effects: Effects) -> Run:
         """Return the simulation with the absolute ``nuisances`` and the ``effects`` that are on.
