@@ -13,6 +13,9 @@ from steering_diagnosis.data.record import PERIOD_S
 GAP_PERIODS = 4.0
 """A pause longer than so many of a channel's own periods is a gap and is not bridged."""
 
+ROUNDING_S = 1e-6
+"""Within it an instant is a sample's own, on a clock that counts the seconds since 1970 as well."""
+
 JITTER_SHARE = 0.05
 FEWEST_SAMPLES = 200
 
@@ -158,13 +161,13 @@ def on_grid(channel: Sampled, start: float, count: int) -> np.ndarray:
     if channel.period < 0.7 * PERIOD_S:
         time, values = _slowed(channel)
     grid = start + np.arange(count) * PERIOD_S
-    # A microsecond of rounding at the ends loses no sample.
     within = np.clip(grid, time[0], time[-1])
-    result = np.where(np.abs(grid - within) < 1e-6, np.interp(within, time, values), np.nan)
+    result = np.where(np.abs(grid - within) < ROUNDING_S, np.interp(within, time, values), np.nan)
     reach = GAP_PERIODS * max(channel.period, PERIOD_S if channel.period < PERIOD_S else 0.0)
     after = np.clip(np.searchsorted(time, grid, side="left"), 1, len(time) - 1)
     inside = time[after] - time[after - 1] > reach
-    exact = np.isclose(grid, time[after]) | np.isclose(grid, time[after - 1])
+    nearest = np.minimum(np.abs(grid - time[after]), np.abs(grid - time[after - 1]))
+    exact = nearest < ROUNDING_S
     result[inside & ~exact] = np.nan
     return result
 
