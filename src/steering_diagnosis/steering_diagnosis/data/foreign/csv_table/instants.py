@@ -60,7 +60,7 @@ def counted(texts: Sequence[str], values: np.ndarray) -> np.ndarray:
 
     Stamps in ns since 1970 have 19 digits, a float64 has 16.
     """
-    finite = np.flatnonzero(np.isfinite(values))
+    finite = np.flatnonzero(np.isfinite(values)).tolist()
     if len(finite) < 2:
         return values
     step = np.median(np.abs(np.diff(values[finite])))

@@ -81,11 +81,11 @@ def read_columns(
         decimal = OTHER[thousands]
     plain = [_plain_column(cells, decimal) for _, cells in columns]
     found = [
-        None if numbers else evidence(cells)
+        Evidence() if numbers else evidence(cells)
         for (_, cells), (_, numbers) in zip(columns, plain, strict=True)
     ]
     everywhere = {sign for sign, _ in plain if sign}
-    everywhere |= {sign for each in found if each for sign in each.signs()}
+    everywhere |= {sign for each in found for sign in each.signs()}
     if not everywhere and separator == ",":
         everywhere = {"."}
     default = next(iter(everywhere)) if len(everywhere) == 1 else None

@@ -201,8 +201,8 @@ def _bare(unit: str) -> str:
 
 def _lost(cells: Sequence[str], read: Numbers, rows: Rows) -> str:
     """Return the first text that is no number, or an empty cell, and its line; '' for none."""
-    lost = np.flatnonzero(np.isnan(read.values) & ~rows.bad)
-    if not len(lost):
+    lost = np.flatnonzero(np.isnan(read.values) & ~rows.bad).tolist()
+    if not lost:
         return ""
     row = next((row for row in lost if cells[row].strip()), lost[0])
     text = f"'{cells[row].strip()}'" if cells[row].strip() else "an empty cell"
