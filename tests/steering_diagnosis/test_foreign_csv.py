@@ -87,6 +87,8 @@ def clock(raw: Raw) -> np.ndarray:
         table(head="t (s),p (bar)"),
         table(head="\u00a0t , p "),
         table(head="t,p\ns,bar"),
+        "LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\n\t\n"
+        + table("\t", head="t,p,Comment"),
         table(head="t,p\n-,-\nID7,ID8"),
         ",t,p\n" + "".join(f"{k},{t},{p}\n" for k, (t, p) in enumerate(zip(TIME, P, strict=True))),
         "#;t;p\n" + "".join(f"{k};{t};{p}\n" for k, (t, p) in enumerate(zip(TIME, P, strict=True))),
@@ -255,12 +257,14 @@ def test_a_quote_without_an_end_swallows_nothing(tmp_path):
         ("\x00" * 100, "empty but for zero bytes"),
         ("t,p\n", "no numbers below the header in line 1"),
         ("t,p\ns,bar\n", "no numbers below"),
-        ("0.0,1\n0.1,2\n", "unknown column 'p'"),
+        ("0.0,1\n0.1,2\n", "no line of it has names"),
         (table(head="t,P"), "line 1: unknown column 'p'; did you mean 'P'"),
         (
             table(head="t,p [bar],p [psi]").replace("\n0", "\n0,0"),
             "occurs 2 times, in columns 2, 3",
         ),
+        (table(head="t,p (bar),p (out)").replace("\n0", "\n0,0"), "occurs 2 times"),
+        (table(head="t,p (out)"), "unknown column 'p'"),
         (table(head="t,p , p").replace("\n0", "\n0,0"), "occurs 2 times"),
         (table().replace("\n0.003", "\np,t\n0.003"), "lines 1 and 5 may both be the header"),
         (table().replace("\n0.003", "\nt,p\n0.003"), "stands in line 5 again, after 3 rows"),
@@ -373,6 +377,14 @@ def test_units_of_time_and_stamps_with_more_digits_than_a_float(tmp_path, cells,
     raw = read(tmp_path, table(time=cells), time_unit=unit)
     factor = {"ns": 1e-9, "us": 1e-6, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}[unit]
     np.testing.assert_allclose(clock(raw) * factor, TIME, atol=2e-9)
+
+
+def test_milliseconds_without_zeros_before_them_are_refused(tmp_path):
+    cells = [f"10:00:00.{5 * k}" for k in range(N)]
+    with pytest.raises(BenchError, match=r"'10:00:00\.10' has fewer digits"):
+        read(tmp_path, table(time=[*cells, "10:00:00.100"], values=[*map(str, P), "1"]))
+    trimmed = [f"10:00:00.{k:03d}".rstrip("0").rstrip(".") for k in range(N)]
+    is_right(read(tmp_path, table(time=trimmed)))
 
 
 def test_a_unit_of_time_that_cannot_be(tmp_path):

@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 
 from steering_core.errors import BenchError
-from steering_diagnosis.data.foreign.csv_table.cells import GROUPING, MISSING
+from steering_diagnosis.data.foreign.csv_table.cells import GROUPING, MISSING, quoted
 
 OTHER = {".": ",", ",": "."}
 """The two signs that may be the decimal one, each with the other."""
@@ -151,7 +151,7 @@ class _Place:
     lines: np.ndarray
 
     def __call__(self, row: int) -> str:
-        return f"line {self.lines[row]}: '{self.cells[row].strip()}' of '{self.name}'"
+        return f"line {self.lines[row]}: {quoted(self.cells[row])} of '{self.name}'"
 
 
 def _decimal(found: Evidence, default: str | None, place: _Place) -> str:
