@@ -41,7 +41,12 @@ def table(separator=",", decimal=".", head="t,p", time=None, values=None, end=""
 
 def is_right(raw: Raw) -> None:
     np.testing.assert_array_equal(raw.values, P)
-    np.testing.assert_allclose(raw.time, TIME, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(clock(raw), np.array(TIME), rtol=0, atol=1e-12)
+
+
+def clock(raw: Raw) -> np.ndarray:
+    assert raw.time is not None
+    return raw.time
 
 
 @pytest.mark.parametrize(
@@ -82,6 +87,8 @@ def is_right(raw: Raw) -> None:
         table(head="t (s),p (bar)"),
         table(head="\u00a0t , p "),
         table(head="t,p\ns,bar"),
+        "LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\n\t\n"
+        + table("\t", head="t,p,Comment"),
         table(head="t,p\n-,-\nID7,ID8"),
         ",t,p\n" + "".join(f"{k},{t},{p}\n" for k, (t, p) in enumerate(zip(TIME, P, strict=True))),
         "#;t;p\n" + "".join(f"{k};{t};{p}\n" for k, (t, p) in enumerate(zip(TIME, P, strict=True))),
@@ -250,12 +257,14 @@ def test_a_quote_without_an_end_swallows_nothing(tmp_path):
         ("\x00" * 100, "empty but for zero bytes"),
         ("t,p\n", "no numbers below the header in line 1"),
         ("t,p\ns,bar\n", "no numbers below"),
-        ("0.0,1\n0.1,2\n", "unknown column 'p'"),
+        ("0.0,1\n0.1,2\n", "no line of it has names"),
         (table(head="t,P"), "line 1: unknown column 'p'; did you mean 'P'"),
         (
             table(head="t,p [bar],p [psi]").replace("\n0", "\n0,0"),
             "occurs 2 times, in columns 2, 3",
         ),
+        (table(head="t,p (bar),p (out)").replace("\n0", "\n0,0"), "occurs 2 times"),
+        (table(head="t,p (out)"), "unknown column 'p'"),
         (table(head="t,p , p").replace("\n0", "\n0,0"), "occurs 2 times"),
         (table().replace("\n0.003", "\np,t\n0.003"), "lines 1 and 5 may both be the header"),
         (table().replace("\n0.003", "\nt,p\n0.003"), "stands in line 5 again, after 3 rows"),
@@ -336,7 +345,7 @@ def test_dates_and_times_of_day_across_midnight(tmp_path, pattern, keys):
     cells = [(START + timedelta(milliseconds=k)).strftime(pattern) for k in range(N)]
     is_right(read(tmp_path, table(";", time=cells), **keys))
     in_ms = read(tmp_path, table(";", time=cells), time_unit="ms", **keys)
-    np.testing.assert_allclose(in_ms.time, np.arange(N), atol=1e-9)
+    np.testing.assert_allclose(clock(in_ms), np.arange(N), atol=1e-9)
 
 
 def test_day_and_month_are_asked_for_where_they_matter(tmp_path):
@@ -367,7 +376,15 @@ def test_day_and_month_are_asked_for_where_they_matter(tmp_path):
 def test_units_of_time_and_stamps_with_more_digits_than_a_float(tmp_path, cells, unit):
     raw = read(tmp_path, table(time=cells), time_unit=unit)
     factor = {"ns": 1e-9, "us": 1e-6, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}[unit]
-    np.testing.assert_allclose(raw.time * factor, TIME, atol=2e-9)
+    np.testing.assert_allclose(clock(raw) * factor, TIME, atol=2e-9)
+
+
+def test_milliseconds_without_zeros_before_them_are_refused(tmp_path):
+    cells = [f"10:00:00.{5 * k}" for k in range(N)]
+    with pytest.raises(BenchError, match=r"'10:00:00\.10' has fewer digits"):
+        read(tmp_path, table(time=[*cells, "10:00:00.100"], values=[*map(str, P), "1"]))
+    trimmed = [f"10:00:00.{k:03d}".rstrip("0").rstrip(".") for k in range(N)]
+    is_right(read(tmp_path, table(time=trimmed)))
 
 
 def test_a_unit_of_time_that_cannot_be(tmp_path):

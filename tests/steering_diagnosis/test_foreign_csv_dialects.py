@@ -41,6 +41,8 @@ def test_a_table_comes_back_as_written_or_is_refused(file, dialect):
 
 def check(raw: Raw, written: Written, name: str, dialect: Dialect) -> None:
     """Compare a channel with the truth, row by row as the lines of the file say."""
+    assert raw.lines is not None
+    assert raw.time is not None
     told = bool(raw.lost or raw.about)
     rows = {line: k for k, line in enumerate(raw.lines)}
     assert set(rows) <= set(written.lines), "rows that are none"

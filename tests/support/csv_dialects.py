@@ -9,6 +9,7 @@ import math
 import random
 from dataclasses import dataclass, field
 from decimal import Decimal
+from typing import Any
 
 from hypothesis import strategies as st
 
@@ -67,9 +68,12 @@ class Written:
 
 
 @st.composite
-def dialects(draw):
+def dialects(draw: st.DrawFn) -> Dialect:
     """Draw any dialect."""
-    pick = lambda *values: draw(st.sampled_from(values))  # noqa: E731
+
+    def pick(*values: Any) -> Any:
+        return draw(st.sampled_from(values))
+
     separator = pick(";", ",", "\t", "|", " ")
     decimal = pick(".", ",")
     thousands = pick("", "", "", ".", ",", "'", "\u00a0", " ")
@@ -213,7 +217,14 @@ class _Writer:
         if self.d.header_again and k == 2 * self.n // 3:
             self._add(header)
 
-    def _data_row(self, k, time_cells, seconds, columns, written: Written) -> None:
+    def _data_row(
+        self,
+        k: int,
+        time_cells: list[str],
+        seconds: list[float],
+        columns: dict[str, list[tuple[str, float]]],
+        written: Written,
+    ) -> None:
         d = self.d
         cells, truth = [time_cells[k]], []
         for name in self.names:

@@ -38,8 +38,8 @@ def separator(value: Any) -> Any:
 def encoding(value: Any) -> Any:
     """Let through what Python knows as an encoding of texts."""
     try:
-        b"x".decode(value)
-    except (LookupError, TypeError, UnicodeError):
+        "x".encode(value)
+    except (LookupError, TypeError):
         raise ValueError(f"'{value}' is no known encoding, such as 'cp1252'") from None
     return value
 

@@ -15,7 +15,7 @@ from steering_diagnosis.data.mapping import Mapping
 
 __all__ = ["READERS", "TABLES", "Raw", "read_foreign"]
 
-TABLES = frozenset((".csv", ".tsv", ".txt", ".gz"))
+TABLES = frozenset((".csv", ".tsv", ".txt", ".lvm", ".gz"))
 """Endings of text tables; what is compressed with gzip is taken for one."""
 
 READERS: dict[str, Callable[[Path, Mapping], dict[str, Raw]]] = {

@@ -30,6 +30,16 @@ _INSTANT = re.compile(
 )
 
 
+LONGEST = 30
+"""Characters of a cell that a sentence shows."""
+
+
+def quoted(cell: str) -> str:
+    """Return a cell as a sentence shows it."""
+    bare = cell.strip()
+    return f"'{bare[:LONGEST]}{'...' if len(bare) > LONGEST else ''}'"
+
+
 def is_missing(cell: str) -> bool:
     """Return whether a cell says that there is no value."""
     return cell.strip().casefold() in MISSING

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from steering_core.errors import BenchError
-from steering_diagnosis.data.foreign.csv_table.cells import is_missing, looks_instant
+from steering_diagnosis.data.foreign.csv_table.cells import is_missing, looks_instant, quoted
 
 DATES = {
     "-": ("%Y-%m-%d", "%d-%m-%Y", "%m-%d-%Y", "%d-%b-%Y"),
@@ -60,7 +60,7 @@ def counted(texts: Sequence[str], values: np.ndarray) -> np.ndarray:
 
     Stamps in ns since 1970 have 19 digits, a float64 has 16.
     """
-    finite = np.flatnonzero(np.isfinite(values))
+    finite = np.flatnonzero(np.isfinite(values)).tolist()
     if len(finite) < 2:
         return values
     step = np.median(np.abs(np.diff(values[finite])))
@@ -85,7 +85,7 @@ def instants(cells: Sequence[str], time_format: str | None) -> Instants:
     present = [row for row, at in enumerate(ns) if at is not None]
     if not present:
         raise BenchError(
-            f"'{cells[0].strip()}' is no time known here: say `time_format` in the mapping"
+            f"{quoted(cells[0])} is no time known here: say `time_format` in the mapping"
         )
     foreign = [row for row, at in enumerate(ns) if at is None and not is_missing(cells[row])]
     first = ns[present[0]] or 0
@@ -113,7 +113,7 @@ def _by_format(cells: Sequence[str], time_format: str) -> tuple[list[int | None]
     stamps = read.dt.tz_localize(None).to_numpy().astype("datetime64[ns]").astype(np.int64)
     lost = read.isna().to_numpy()
     if lost.all():
-        raise BenchError(f"time_format '{time_format}' does not fit '{cells[0].strip()}'")
+        raise BenchError(f"time_format '{time_format}' does not fit {quoted(cells[0])}")
     with_date = any(sign in time_format for sign in ("%d", "%j", "%D", "%x", "%c"))
     ns = [None if gone else int(at) for at, gone in zip(stamps, lost, strict=True)]
     return ns, 0 if with_date else DAY_NS
@@ -131,6 +131,14 @@ def _by_looks(cells: Sequence[str]) -> tuple[list[int | None], int]:
             f"'{short[0][0]}' may be hours and minutes or minutes and seconds: say `time_format` "
             "in the mapping"
         )
+    parts = [(match["part"] or "", match[0]) for match in found]
+    longest = max((len(part) for part, _ in parts), default=0)
+    for part, whole in parts:
+        if 1 < len(part) < longest and part.endswith("0"):
+            raise BenchError(
+                f"'{whole}' has fewer digits than others, and they end with 0: are these counts "
+                "without zeros before them? Write all with as many digits"
+            )
     ns: list[int | None] = []
     for match in matches:
         day = days.get(match["date"].strip()) if match else None

@@ -24,6 +24,9 @@ SEPARATORS = {"semicolon": ";", "tab": "\t", "comma": ",", "pipe": "|", "space":
 COMMENTS = ("#", "%", "//")
 """What begins a comment line, where the mapping does not say."""
 
+COMMENT_COLUMN = "Comment"
+"""Last name in LabVIEW's headers (LVM); rows without a comment have no cell for it."""
+
 REACH = 1000
 """Lines among which the header is looked for."""
 
@@ -117,6 +120,8 @@ def explain_missing(lines: Sequence[str], wanted: Sequence[str], mapping: Mappin
             found = sum(1 for name in wanted if places(name, names))
             if (found, len(names)) > best:
                 best, header, row = (found, len(names)), number, names
+    if best[0] < 0:
+        return "no line of it has names, numbers only: give the file a header"
     missing = next((name for name in wanted if not places(name, row)), wanted[0])
     told = unknown("column", missing, [name for name in row if name])
     return f"line {header}: {told} (`header_line` and `separator` in the mapping say where)"
@@ -175,7 +180,7 @@ def _layouts(
         for names, height in headers:
             if all(places(name, names) for name in wanted):
                 filled = max(k for k, name in enumerate(names) if name) + 1
-                yield Layout(
+                layout = Layout(
                     separator=separator,
                     header=number,
                     first=number - 1 + height,
@@ -183,6 +188,9 @@ def _layouts(
                     comments=comments,
                     given=mapping.header_line is not None,
                 )
+                yield layout
+                if names[filled - 1] == COMMENT_COLUMN and COMMENT_COLUMN not in wanted:
+                    yield layout._replace(names=tuple(names[: filled - 1]))
 
 
 def _separators(lines: Sequence[str], mapping: Mapping) -> list[str]:

@@ -19,18 +19,26 @@ def plain(name: str) -> str:
 
 def split_unit(name: str) -> tuple[str, str]:
     """Return ``angle`` and ``deg`` of ``angle [deg]`` or ``angle (deg)``; else the name and ''."""
-    match = WITH_UNIT.fullmatch(name)
-    if match is None:
-        return name, ""
-    unit = (match["square"] if match["round"] is None else match["round"]).strip()
-    return (match["name"], unit) if is_unit(unit) else (name, "")
+    base, behind = _split(name)
+    return (base, behind) if is_unit(behind) else (name, "")
 
 
 def places(wanted: str, names: Sequence[str]) -> list[int]:
     """Return the columns that a mapping's name may mean, counted from 0.
 
-    ``names`` are plain. A whole name comes first; else a name with its unit behind it.
+    ``names`` are plain. A whole name comes first; else a name with its unit behind it, and then any
+    other that differs from it only in its brackets.
     """
     target = plain(wanted)
     whole = [k for k, name in enumerate(names) if name == target]
-    return whole or [k for k, name in enumerate(names) if split_unit(name)[0] == target]
+    if whole:
+        return whole
+    found = [k for k, name in enumerate(names) if _split(name)[0] == target]
+    return found if any(split_unit(names[k])[1] for k in found) else []
+
+
+def _split(name: str) -> tuple[str, str]:
+    match = WITH_UNIT.fullmatch(name)
+    if match is None:
+        return name, ""
+    return match["name"], (match["square"] if match["round"] is None else match["round"]).strip()

@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 
 from steering_core.errors import BenchError
-from steering_diagnosis.data.foreign.csv_table.cells import GROUPING, MISSING
+from steering_diagnosis.data.foreign.csv_table.cells import GROUPING, MISSING, quoted
 
 OTHER = {".": ",", ",": "."}
 """The two signs that may be the decimal one, each with the other."""
@@ -81,11 +81,11 @@ def read_columns(
         decimal = OTHER[thousands]
     plain = [_plain_column(cells, decimal) for _, cells in columns]
     found = [
-        None if numbers else evidence(cells)
+        Evidence() if numbers else evidence(cells)
         for (_, cells), (_, numbers) in zip(columns, plain, strict=True)
     ]
     everywhere = {sign for sign, _ in plain if sign}
-    everywhere |= {sign for each in found if each for sign in each.signs()}
+    everywhere |= {sign for each in found for sign in each.signs()}
     if not everywhere and separator == ",":
         everywhere = {"."}
     default = next(iter(everywhere)) if len(everywhere) == 1 else None
@@ -151,7 +151,7 @@ class _Place:
     lines: np.ndarray
 
     def __call__(self, row: int) -> str:
-        return f"line {self.lines[row]}: '{self.cells[row].strip()}' of '{self.name}'"
+        return f"line {self.lines[row]}: {quoted(self.cells[row])} of '{self.name}'"
 
 
 def _decimal(found: Evidence, default: str | None, place: _Place) -> str:

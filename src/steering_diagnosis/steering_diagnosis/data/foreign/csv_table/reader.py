@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from steering_core.errors import BenchError
-from steering_diagnosis.data.foreign.csv_table.cells import is_missing
+from steering_diagnosis.data.foreign.csv_table.cells import is_missing, quoted
 from steering_diagnosis.data.foreign.csv_table.encoding import read_texts
 from steering_diagnosis.data.foreign.csv_table.instants import are_instants, counted, instants
 from steering_diagnosis.data.foreign.csv_table.layout import (
@@ -106,7 +106,15 @@ def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
         if not lost and clock in read:
             lost = _lost(cells[clock], read[clock], rows)
         values = read[column].values
-        result[name] = Raw(values, time, units[column], time_unit, rows.lines, lost, rows.notes)
+        result[name] = Raw(
+            values=values,
+            time=time,
+            unit=units[column],
+            time_unit=time_unit,
+            lines=rows.lines,
+            lost=lost,
+            about=rows.notes,
+        )
     return result
 
 
@@ -144,7 +152,7 @@ def _check_share(
     if len(foreign) > LOST_SHARE * filled:
         row = foreign[0]
         raise BenchError(
-            f"line {rows.lines[row]}: {name} '{cells[row].strip()}' {what}, nor are "
+            f"line {rows.lines[row]}: {name} {quoted(cells[row])} {what}, nor are "
             f"{len(foreign) - 1} more of {filled} cells: see `missing`, `decimal` and `thousands` "
             "in the mapping"
         )
@@ -201,9 +209,9 @@ def _bare(unit: str) -> str:
 
 def _lost(cells: Sequence[str], read: Numbers, rows: Rows) -> str:
     """Return the first text that is no number, or an empty cell, and its line; '' for none."""
-    lost = np.flatnonzero(np.isnan(read.values) & ~rows.bad)
-    if not len(lost):
+    lost = np.flatnonzero(np.isnan(read.values) & ~rows.bad).tolist()
+    if not lost:
         return ""
     row = next((row for row in lost if cells[row].strip()), lost[0])
-    text = f"'{cells[row].strip()}'" if cells[row].strip() else "an empty cell"
+    text = quoted(cells[row]) if cells[row].strip() else "an empty cell"
     return f"{text} first in line {rows.lines[row]}"
