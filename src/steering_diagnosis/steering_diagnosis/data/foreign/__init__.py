@@ -8,7 +8,7 @@ from pathlib import Path
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
 from steering_diagnosis.data.foreign.csv_table import read_csv
-from steering_diagnosis.data.foreign.matlab_file import read_matlab
+from steering_diagnosis.data.foreign.matlab import read_matlab
 from steering_diagnosis.data.foreign.mdf_file import read_mdf
 from steering_diagnosis.data.foreign.raw import Raw
 from steering_diagnosis.data.mapping import Mapping
