@@ -66,7 +66,7 @@ share of its own that this may be: what can hardly be seen is imitated by everyt
 
 EVERY = 10
 STEPS = {False: 5, True: 12}
-"""Steps of a tick in these runs, open and closed centre: 200 and 83 us are stable."""
+"""Steps of a tick in these runs, without and with spools in them: 200 and 83 us are stable."""
 
 DRIVER_NOISE, LOAD_NOISE = 0.03, 3.0
 """Of the torque that the column needs [N m], mostly from differentiating, and of the load [N]."""
@@ -187,7 +187,7 @@ class Probe:
         return np.asarray(np.std(change.reshape(len(COLUMNS), -1), axis=1))
 
     def _run(self, specimen: Specimen, felt: Signals) -> np.ndarray:
-        steps = STEPS[self.closed]
+        steps = STEPS[self.closed and not self.pressed]
         run = run_clamped(
             specimen, self.nominal, self.course, felt, self.closed, steps, self.pressed
         )
