@@ -177,6 +177,13 @@ def test_two_readings_are_asked_for(tmp_path, cells, words, keys, values):
         np.testing.assert_array_equal(read(tmp_path, data, **keys).values, values)
 
 
+def test_a_point_between_commas_is_no_proof(tmp_path):
+    data = 't,p\n1,"4.293"\n2,"1.250"\n'
+    with pytest.raises(BenchError, match=r"line 2: '4\.293' of 'p'.*`decimal`"):
+        read(tmp_path, data)
+    np.testing.assert_array_equal(read(tmp_path, data, decimal=".").values, [4.293, 1.25])
+
+
 def test_decimal_commas_between_commas_are_never_taken_for_separators(tmp_path):
     for head, end in (("t,p", ""), ("t,p", ","), ("t,p,note", ","), ("t,p,note", ",x")):
         rows = "".join(f"{k / 1000:.3f},{k}{end}\n".replace(".", ",") for k in range(N))

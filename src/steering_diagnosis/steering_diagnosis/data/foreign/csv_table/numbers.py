@@ -3,7 +3,7 @@
 A point or comma is the decimal sign where the cell has no other reading (``0,5``, ``1,25``,
 ``1234,567``, ``1,5E3``, or the last one of both signs); it stands between thousands where it occurs
 twice or before the other one (``1.234.567``). ``1,234`` has two readings: the column decides, or
-the rest of the table, or, for a point between commas that separate, the separator.
+the rest of the table.
 """
 
 from __future__ import annotations
@@ -68,7 +68,6 @@ def read_columns(
     lines: np.ndarray,
     decimal: str | None = None,
     thousands: str | None = None,
-    separator: str = "",
     missing: Iterable[str | float] = (),
 ) -> list[Numbers]:
     """Return the numbers of columns, each given as name and cells.
@@ -86,8 +85,6 @@ def read_columns(
     ]
     everywhere = {sign for sign, _ in plain if sign}
     everywhere |= {sign for each in found for sign in each.signs()}
-    if not everywhere and separator == ",":
-        everywhere = {"."}
     default = next(iter(everywhere)) if len(everywhere) == 1 else None
     result = []
     for (name, cells), (_, numbers), each in zip(columns, plain, found, strict=True):

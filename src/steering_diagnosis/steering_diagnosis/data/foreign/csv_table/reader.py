@@ -136,7 +136,6 @@ def _numbers(
         rows.lines,
         mapping.decimal,
         mapping.thousands,
-        layout.separator,
         mapping.missing,
     )
     for (column, texts), numbers in zip(cells.items(), read, strict=True):
