@@ -9,8 +9,14 @@ import numpy as np
 
 @dataclass(frozen=True, repr=False)
 class Raw:
-    """A channel as the file has it. time: (n,) in the file's own unit, None where it has none."""
+    """A channel as the file has it; NaN where it has no number.
+
+    time: (n,) in the file's own unit, None where it has none. time_unit: that unit, "" where the
+    file does not say. notes: what was lost or taken for granted, sentences without the name.
+    """
 
     values: np.ndarray
     time: np.ndarray | None = None
     unit: str = ""
+    time_unit: str = ""
+    notes: tuple[str, ...] = ()
