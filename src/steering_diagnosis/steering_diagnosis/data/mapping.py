@@ -13,7 +13,7 @@ from steering_core.strict import Number, Strict, check_keys, fault
 from steering_core.validation import explain
 from steering_core.yaml_lines import Document, read_yaml
 from steering_diagnosis.data.channels import CHANNELS
-from steering_diagnosis.data.units import FACTORS
+from steering_diagnosis.data.units import FACTORS, spelled
 
 Sign = Annotated[int, Field(ge=-1, le=1)]
 Comment = Annotated[str, Field(min_length=1)]
@@ -52,12 +52,16 @@ class MappedChannel(Strict):
     """One channel: value = sign x (scale x raw x unit + offset), in SI."""
 
     source: str = Field(alias="from", description="name of the channel or column in the file")
-    unit: str = Field(description="unit of the numbers in the file, after `scale`")
+    unit: str = Field("", description="unit of the numbers, after `scale`; none: the file's own")
     sign: Sign = Field(1, description="1, or -1 where the file's positive is the bench's negative")
     scale: Number = Field(1.0, description="factor from the file's numbers to `unit`")
     offset: Number = Field(0.0, description="added after `scale`, in `unit`")
     delay: Number = Field(0.0, description="s by which the file's channel is known to lag")
-    group: int | None = Field(None, ge=0, description="MDF group, where a name occurs twice")
+    group: Annotated[int, Field(ge=0)] | str | None = Field(
+        None, description="MDF group by number, name or comment, where a name occurs twice"
+    )
+    origin: str = Field("", alias="source", description="name or path of an MDF channel's source")
+    index: int | None = Field(None, ge=0, description="index of an MDF channel within its group")
     column: int | None = Field(
         None, ge=1, description="CSV column, from 1, where a name occurs twice"
     )
@@ -95,6 +99,7 @@ class Mapping(Strict):
     parameter_set: str = Field("nominal", description="parameter set by name or YAML file")
     parameters: ParameterValues = Field({}, description="values that differ from the set, SI")
     boost_curve: str | None = Field(None, description="CSV file of the measured boost curve")
+    database: str | None = Field(None, description="DBC file that decodes an MDF's CAN frames")
     clocks: dict[str, Clock] = Field({}, description="further clocks, by name")
     channels: dict[str, MappedChannel]
     separator: Separator | None = Field(
@@ -117,11 +122,11 @@ class Mapping(Strict):
     @model_validator(mode="after")
     def _fits(self) -> Mapping:
         check_keys("channel", self.channels, CHANNELS)
-        if self.time_unit not in FACTORS["s"]:
+        if spelled(self.time_unit) not in FACTORS["s"]:
             raise fault("time_unit", f"time_unit must be one of {', '.join(FACTORS['s'])}")
         for name, channel in self.channels.items():
             known = FACTORS[CHANNELS[name].unit]
-            if channel.unit not in known:
+            if channel.unit and spelled(channel.unit) not in known:
                 raise fault(
                     name, f"{name}: unit '{channel.unit}' must be one of {', '.join(known)}"
                 )
@@ -141,6 +146,10 @@ def load_mapping(path: str | Path) -> tuple[Mapping, Document]:
     if not isinstance(data, dict):
         raise BenchError(f"{path}: a mapping file has keys such as 'channels'")
     try:
-        return Mapping.model_validate(data), document
+        mapping = Mapping.model_validate(data)
     except ValidationError as error:
         raise BenchError(explain(error, document)) from None
+    if mapping.database:
+        beside = str(Path(path).parent / mapping.database)
+        mapping = mapping.model_copy(update={"database": beside})
+    return mapping, document
