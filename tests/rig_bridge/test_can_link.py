@@ -19,13 +19,10 @@ from steering_core.errors import BenchError
 
 def test_other_devices_on_the_bus_are_passed_over():
     with both_ends("can") as (bench, rig):
-        rig.buses.buses[0].send(
-            can.Message(arbitration_id=0x700, data=b"12345678", is_extended_id=False)
-        )
+        bus = rig.buses.buses[0]
+        bus.send(can.Message(arbitration_id=0x700, data=b"12345678", is_extended_id=False))
         rig.send_frame(FRAME)
-        rig.buses.buses[0].send(
-            can.Message(arbitration_id=0x18FF00F1, data=b"1", is_extended_id=True)
-        )
+        bus.send(can.Message(arbitration_id=0x18FF00F1, data=b"1", is_extended_id=True))
         assert len(bench.receive_frames(1.0)) == 1
         assert bench.bad == 0
 
@@ -97,8 +94,8 @@ def refuse(server):
 
 
 def test_no_such_interface_is_one_clear_line():
-    with pytest.raises(BenchError, match="cannot open the CAN bus"):
-        open_link("can", RIG, EMULATED.parent, {"interface": "none_such"})
+    with pytest.raises(BenchError, match="did you mean 'socketcan"):
+        open_link("can", RIG, EMULATED.parent, {"interface": "socketcam"})
     with pytest.raises(BenchError, match="cannot open the CAN bus socketcan nocan7"):
         open_link("can", RIG, EMULATED.parent, {"channel": "nocan7"})
 

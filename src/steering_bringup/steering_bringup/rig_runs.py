@@ -50,7 +50,8 @@ class RigChoice:
     def notes(self, effects: Mapping[str, Any]) -> list[str]:
         """Return what a reader of the results must know."""
         kind = "emulated rig" if self.rig.emulator else "rig"
-        notes = [f"measured on the {kind} '{self.rig.name}' over {self.link}: {self.path}", *self.told]
+        where = f"the {kind} '{self.rig.name}' over {self.link}: {self.path}"
+        notes = [f"measured on {where}", *self.told]
         if effects:
             listed = ", ".join(effects)
             notes.append(f"the rig has its own physics: effects of the plant do nothing ({listed})")

@@ -123,6 +123,11 @@ class CanCodec:
         """All messages of both directions."""
         return [*self.rig.slots.values(), *self.bench.slots.values()]
 
+    def name_of(self, key: Key) -> str | None:
+        """Return the name of the rig's message with this bus and identifier."""
+        slot = self.rig.slots.get(key) or self.bench.slots.get(key)
+        return None if slot is None else slot.message.name
+
     def pack_frame(self, frame: Frame) -> list[CanFrame]:
         """Return the CAN frames of the rig's measurements."""
         clock = (frame.rig_ns // 1000) % self.clock.modulus

@@ -116,9 +116,11 @@ class CanLink:
         if message.is_error_frame:
             self._note(bus, f"error frame (0x{message.arbitration_id:X})")
             return None
-        if message.is_remote_frame:
-            return None
         number, extended = message.arbitration_id, message.is_extended_id
+        if message.is_remote_frame:
+            if (name := self.codec.name_of((bus, number, extended))) is not None:
+                self._note(bus, f"somebody asks for {name} by a remote frame")
+            return None
         try:
             packet = take(number, bytes(message.data), extended, message.is_fd, bus)
         except OwnFrameError as error:

@@ -21,6 +21,9 @@ TAKEN = re.compile(r"""(?:kwargs|config)(?:\.get\(|\.pop\(|\[)\s*["']([a-z]\w*)[
 OF_THE_BUS = ("fd", "bitrate", "data_bitrate")
 """Passed on where the interface takes them; where it does not, the bus is set up elsewhere."""
 
+OF_THE_BENCH = {"interface", "timing", "dbc", "messages"}
+"""Settings that are no arguments, or another one."""
+
 CARRIES_ANY = ("virtual", "socketcand")
 """Interfaces without an option ``fd`` that carry CAN FD frames: the second only with the hub."""
 
@@ -75,10 +78,8 @@ def bus_options(settings: CanSettings) -> dict[str, Any]:
     elsewhere, and a bit timing is refused, so that nobody takes it for the one that is used.
     """
     takes = interface(settings.interface).takes
-    given = settings.model_dump(
-        exclude_none=True, exclude={"interface", "timing", "dbc", "messages"}
-    )
-    known = takes | {"interface", "fd", "bitrate", "data_bitrate", "timing", "dbc", "messages"}
+    given = settings.model_dump(exclude_none=True, exclude=OF_THE_BENCH)
+    known = takes | OF_THE_BENCH | set(OF_THE_BUS)
     for name in given:
         if name not in known:
             what = f"option of the CAN interface '{settings.interface}'"
