@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import can
-import yaml
 from healthy_rig import EMULATED
+from rig_links import RIG
 
-from rig_bridge.rig_file import RigFile, load_rig
+from rig_bridge.channels import CanPlace, Channel
+from rig_bridge.rig_file import RigFile
 from rig_bridge.transport.registry import open_link
+from rig_bridge.transport.settings import Links
 
 DBC = EMULATED.with_suffix(".dbc").read_text()
 FD_ATTRIBUTES = """
@@ -34,9 +36,8 @@ def extended(text: str, numbers: Sequence[int]) -> str:
 
 def fd_dbc() -> str:
     """Return a DBC text with one long message for the measurements and one for the commands."""
-    rig = load_rig(EMULATED)
     text = 'VERSION ""\n\nBU_: Bench Rig\n'
-    for number, name, channels in ((256, "Measured", rig.measured), (512, "Asked", rig.commanded)):
+    for number, name, channels in ((256, "Measured", RIG.measured), (512, "Asked", RIG.commanded)):
         text += f"\nBO_ {number} {name}: 48 Rig\n"
         for index, channel in enumerate(channels):
             text += f' SG_ {channel} : {7 + 32 * index}|32@0- (1,0) [0|0] "" Bench\n'
@@ -47,29 +48,19 @@ def fd_dbc() -> str:
     return text
 
 
-def fd_channels(data: dict[str, Any]) -> None:
-    """Put the channels of a rig's file where ``fd_dbc`` has them."""
-    for name, channel in data["channels"].items():
-        message = "Measured" if channel["direction"] == "measured" else "Asked"
-        channel["can"] = {"message": message, "signal": name}
-
-
-def rig_file(folder: Path, buses: Any, dbc: str = DBC, **more: Any) -> Path:
-    """Write the emulated rig with other buses (``links.can``) and DBC text; return its file."""
-    data = yaml.safe_load(EMULATED.read_text()) | {"dbc": "rig.dbc"} | more
-    data["links"]["can"] = buses
-    if "BO_ 256 Measured" in dbc:
-        fd_channels(data)
+def rig_of(folder: Path, buses: Any = None, dbc: str = DBC) -> RigFile:
+    """Return the emulated rig with other buses (``links.can``), its DBC text written to a file."""
     (folder / "rig.dbc").write_text(dbc)
-    (folder / "emulator.yaml").write_bytes(EMULATED.with_name("emulator.yaml").read_bytes())
-    path = folder / "rig.yaml"
-    path.write_text(yaml.safe_dump(data, sort_keys=False))
-    return path
+    links = Links.model_validate({"can": buses or virtual()})
+    changes: dict[str, Any] = {"links": links, "dbc": "rig.dbc"}
+    if "BO_ 256 Measured" in dbc:
+        changes["channels"] = {name: _in_fd_dbc(name, row) for name, row in RIG.channels.items()}
+    return RIG.model_copy(update=changes)
 
 
-def rig_of(folder: Path, buses: Any = None, dbc: str = DBC, **more: Any) -> RigFile:
-    """Return such a rig."""
-    return load_rig(rig_file(folder, buses or {"interface": "virtual"}, dbc, **more))
+def _in_fd_dbc(name: str, row: Channel) -> Channel:
+    message = "Measured" if row.direction == "measured" else "Asked"
+    return row.model_copy(update={"can": CanPlace(message=message, signal=name)})
 
 
 def virtual(**more: Any) -> dict[str, Any]:

@@ -22,6 +22,9 @@ ERRORS = (can.CanError, OSError)
 AT_ONCE = 64
 """Frames taken of one bus before the others have their turn."""
 
+ECHOING = ("udp_multicast",)
+"""Interfaces that give a sender his own frames back as if they were somebody's."""
+
 LOOK_S = 0.1
 """How often a reading thread looks whether it shall end."""
 
@@ -51,6 +54,7 @@ class CanBuses:
     def __init__(self, settings: Sequence[CanSettings]) -> None:
         self.names = [one.name for one in settings]
         self.switched = [switches(one) for one in settings]
+        self.echoing = [one.interface in ECHOING for one in settings]
         self.buses: list[can.BusABC] = []
         try:
             for one in settings:

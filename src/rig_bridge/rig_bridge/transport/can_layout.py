@@ -104,9 +104,7 @@ def _message(bus: Bus, name: str) -> Message:
 
 
 def _check_readable(message: Message) -> None:
-    signals = [signal.name for signal in message.signals]
-    twice = next((name for name in signals if signals.count(name) > 1), None)
-    wrong = None if twice is None else f"signal '{twice}' is there twice"
+    wrong = None
     paged = next((s.name for s in message.signals if s.is_multiplexer or s.multiplexer_ids), None)
     if paged is not None:
         wrong = f"it is multiplexed ('{paged}'), and a frame must hold all its signals at once"

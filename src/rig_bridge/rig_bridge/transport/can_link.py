@@ -124,7 +124,7 @@ class CanLink:
         try:
             packet = take(number, bytes(message.data), extended, message.is_fd, bus)
         except OwnFrameError as error:
-            if message.is_rx:  # else its own echo
+            if message.is_rx and not self.buses.echoing[bus]:  # else its own echo
                 self._note(bus, str(error))
             return None
         except PacketError as error:
