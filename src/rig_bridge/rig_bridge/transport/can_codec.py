@@ -53,13 +53,14 @@ class _Direction:
         self.fields = [CanField(name, rig.channels[name], layout) for name in names]
         self.status = layout.slot(status[0])
         check_whole(self.status.message, status[1])
+        self.status_key = self.status.key
         self.slots: dict[Key, Slot] = {}
         for slot in (*(field.slot for field in self.fields), self.status):
             if self.slots.setdefault(slot.key, slot) is not slot:
                 name = self.slots[slot.key].message.name
                 raise BenchError(f"{name} and {slot.message.name} have the same CAN identifier")
             check_whole(slot.message, COUNTER)
-        self.slots[self.status.key] = self.slots.pop(self.status.key)
+        self.slots[self.status_key] = self.slots.pop(self.status_key)
         sizes = {bits(slot.message, "Counter") for slot in self.slots.values()}
         if len(sizes) > 1:
             raise BenchError(f"the Counter of {status[0]}'s frames must be equally wide everywhere")
@@ -75,8 +76,8 @@ class _Direction:
         """Return the CAN frames, the status last."""
         signals: dict[Key, dict[str, float]] = {key: {**rest} for key, rest in self.empty.items()}
         for field, value in zip(self.fields, values, strict=True):
-            signals[field.slot.key][field.signal] = field.encoded(raw_of(field.row, value))
-        signals[self.status.key] |= status
+            signals[field.key][field.signal] = field.encoded(raw_of(field.row, value))
+        signals[self.status_key] |= status
         frames = []
         for key, slot in self.slots.items():
             whole = signals[key]
@@ -88,7 +89,7 @@ class _Direction:
 
     def values(self, parts: Parts) -> tuple[float, ...]:
         """Return the SI values of a complete packet."""
-        numbers = (f.decoded(parts[f.slot.key][f.signal]) for f in self.fields)
+        numbers = (f.decoded(parts[f.key][f.signal]) for f in self.fields)
         return tuple(si_of(f.row, raw) for f, raw in zip(self.fields, numbers, strict=True))
 
     def _check_twice(self, status: Iterable[str]) -> None:
@@ -142,7 +143,7 @@ class CanCodec:
         parts = self.from_rig.take((bus, number, extended), data, fd)
         if parts is None:
             return None
-        status = parts[self.rig.status.key]
+        status = parts[self.rig.status_key]
         self._check_table(status["Table"], self.rig)
         rig_ns = self.clock.follow(status["Clock"]) * 1000
         return Frame(status["Counter"], rig_ns, self.rig.values(parts), bool(status["Safe"]))
@@ -161,7 +162,7 @@ class CanCodec:
         parts = self.from_bench.take((bus, number, extended), data, fd)
         if parts is None:
             return None
-        status = parts[self.bench.status.key]
+        status = parts[self.bench.status_key]
         self._check_table(status["Table"], self.bench)
         order = order_of(status["Order"])
         return Demand(status["Counter"], status["Answers"], order, self.bench.values(parts))

@@ -62,6 +62,7 @@ class CanField:
             raise BenchError(f"channel '{name}' has no place on CAN (can: {{message, signal}})")
         self.row = row
         self.slot: Slot = layout.slot(row.can.message)
+        self.key = self.slot.key
         check_signals(self.slot.message, (row.can.signal,))
         self.signal = row.can.signal
         self.where = f"{self.slot.message.name}.{self.signal}"
