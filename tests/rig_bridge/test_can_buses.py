@@ -2,6 +2,7 @@
 
 import socket
 import time
+from typing import Any
 
 import can
 import pytest
@@ -42,7 +43,11 @@ def multicasts():
         return False
 
 
-MULTICAST = {"interface": "udp_multicast", "channel": "239.74.163.2", "hop_limit": 0}
+MULTICAST: dict[str, Any] = {
+    "interface": "udp_multicast",
+    "channel": "239.74.163.2",
+    "hop_limit": 0,
+}
 
 
 @pytest.fixture(params=["virtual", "socketcand", "udp_multicast", "socketcan"])
@@ -152,7 +157,9 @@ def test_a_bus_that_falls_silent_is_named(tmp_path):
             rig.codec.pack_frame(FRAME)
             for f in rig.codec.pack_frame(FRAME._replace(sequence=8 + k)):
                 if f.bus == 0:
-                    other.send(can.Message(arbitration_id=f.number, data=f.data, is_extended_id=0))
+                    other.send(
+                        can.Message(arbitration_id=f.number, data=f.data, is_extended_id=False)
+                    )
             bridge.receive(0.005)
             bridge.answer(dict.fromkeys(table.commanded, 0.0))
         assert bridge.guard.state is State.SAFE
@@ -222,7 +229,7 @@ def test_a_flood_on_one_bus_leaves_the_other_its_turn():
         far.buses[1].send(can.Message(arbitration_id=2, is_extended_id=False))
         time.sleep(0.1)
         come = [near.receive(0.1) for _ in range(301)]
-        order = [index for index, _ in come]
+        order = [one[0] for one in come if one is not None]
         assert order.index(1) < 200
         assert sorted(order) == [0] * 300 + [1]
         assert near.receive(0.01) is None

@@ -1,6 +1,7 @@
 """Signals of every kind against a decoder of bits written here, and what says "no value"."""
 
 import math
+from typing import Any
 
 import cantools
 import pytest
@@ -22,7 +23,7 @@ ROW = RIG.channels["rack_force"].model_copy(
 
 def field(signal, more="", row=ROW, length=8):
     text = f'VERSION ""\n\nBU_: A\n\nBO_ 1 M: {length} A\n SG_ S : {signal} "" A\n\n{more}'
-    database = cantools.database.load_string(text, "dbc")
+    database: Any = cantools.database.load_string(text, "dbc")
     layout = Layout([Bus("can0", database, fd=True)])
     return CanField("rack_force", row, layout), database.get_message_by_name("M")
 

@@ -29,7 +29,8 @@ def test_the_longest_frames_of_each_kind(length, extended_id, fd, bits):
 
 def stuffed(bits):
     """Insert a bit after five equal ones, as a transmitter does; return where, too."""
-    sent, run, places = [], 0, []
+    sent: list[int] = []
+    run, places = 0, []
     for index, bit in enumerate(bits):
         run = run + 1 if sent and sent[-1] == bit else 1
         sent.append(bit)

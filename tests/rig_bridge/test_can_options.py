@@ -1,6 +1,7 @@
 """What a rig's file says of a bus: every option of its interface by name, and nothing else."""
 
 import json
+from typing import Any
 
 import can
 import pytest
@@ -117,7 +118,7 @@ def test_nothing_comes_from_the_user_s_own_files_or_shell(tmp_path, monkeypatch)
     monkeypatch.setenv("CAN_CHANNEL", "elsewhere")
     monkeypatch.setenv("CAN_CONFIG", '{"receive_own_messages": true}')
     bus = {"interface": "virtual", "channel": "here"}
-    link = open_link("can", rig_of(tmp_path, bus), tmp_path, bus)
+    link: Any = open_link("can", rig_of(tmp_path, bus), tmp_path, bus)
     with wire(bus) as other:
         link.send_frame(FRAME)
         assert len(heard(other)) == 4
