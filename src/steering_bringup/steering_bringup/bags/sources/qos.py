@@ -41,7 +41,11 @@ def kept_of(profiles: Any) -> Kept:
         except yaml.YAMLError:
             profiles = None
     entries = [profiles] if isinstance(profiles, Mapping) else profiles
-    durable = [p for p in (entries if isinstance(entries, list) else ()) if isinstance(p, Mapping) and _is(p, "durability")]
+    durable = [
+        p
+        for p in (entries if isinstance(entries, list) else ())
+        if isinstance(p, Mapping) and _is(p, "durability")
+    ]
     if len(durable) != 1:
         return Kept(bool(durable))
     depth = durable[0].get("depth")
