@@ -51,7 +51,8 @@ def scan(data: memoryview) -> Scan:
         found.blocks.append(Block(data, {c: np.array(o) for c, o in loose.items()}))
     if expected is not None and expected != found.message_count:
         found.damage.append(f"{expected} messages were recorded")
-    found.finished = not found.damage and data[-len(MAGIC) :].tobytes() == MAGIC
+    ended = len(data) >= 2 * len(MAGIC) and data[-len(MAGIC) :].tobytes() == MAGIC
+    found.finished = ended and not found.damage
     if not found.finished and not found.damage:
         found.damage.append("the file's end is missing")
     return found

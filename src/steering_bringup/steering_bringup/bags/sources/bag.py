@@ -19,7 +19,7 @@ from steering_bringup.bags.sources.topics import Topics
 Message = tuple[int, str, bytes]
 """Recording time in ns, topic, serialised bytes."""
 
-EARLIEST, LATEST = -(1 << 63), (1 << 63) - 1
+EARLIEST, LATEST = -(1 << 63), 1 << 63
 CDR_KINDS = frozenset(bytes((0, kind)) for kind in range(12))
 """How CDR begins: a zero, and one of the kinds of the DDS and XTypes standards."""
 
@@ -33,9 +33,9 @@ class StorageFile(Protocol):
     notes: list[str]
 
     def messages(
-        self, keys: Collection[int], start: int, stop: int
+        self, keys: Collection[int], first: int, last: int
     ) -> Iterator[tuple[int, int, bytes]]:
-        """Yield (stamp, number, bytes) from ``start`` to before ``stop`` in order of time."""
+        """Yield (stamp, number, bytes) from ``first`` to ``last`` ns in order of time."""
 
     def close(self) -> None:
         """Let go of the file."""
@@ -126,7 +126,9 @@ class Bag:
         wanted = {key: label for key, label in part.labels.items() if label in topics}
         if not wanted:
             return
-        for stamp, key, data in part.file.messages(wanted, start, stop):
+        for stamp, key, data in part.file.messages(
+            wanted, max(start, EARLIEST), min(stop, LATEST) - 1
+        ):
             if data[:2] in CDR_KINDS or self.topics[wanted[key]].encoding != "cdr":
                 yield stamp, wanted[key], data
             elif (content := self._unpacked(stamp, wanted[key], data)) is not None:

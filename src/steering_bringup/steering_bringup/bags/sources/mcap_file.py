@@ -53,13 +53,14 @@ class McapFile:
         self.spans: list[Span] = spans_of(self._stamps)
 
     def messages(
-        self, keys: Collection[int], start: int, stop: int
+        self, keys: Collection[int], first: int, last: int
     ) -> Iterator[tuple[int, int, bytes]]:
         """Yield (stamp, channel, bytes) of channels ``keys`` in order of time."""
-        first, last = np.searchsorted(self._stamps, (start, stop))
+        start = int(np.searchsorted(self._stamps, first, "left"))
+        stop = int(np.searchsorted(self._stamps, last, "right"))
         wanted = np.array(sorted(keys), np.int32)
-        for begin in range(first, last, PORTION):
-            rows = np.arange(begin, min(begin + PORTION, last))
+        for begin in range(start, stop, PORTION):
+            rows = np.arange(begin, min(begin + PORTION, stop))
             rows = rows[np.isin(self._channel_of[rows], wanted)]
             columns = (self._stamps, self._channel_of, self._block_of, self._offsets, self._sizes)
             for stamp, key, block, at, size in zip(

@@ -31,11 +31,15 @@ def unpack_file(file: Path, folder: Path) -> tuple[Path, str]:
     """
     target = folder / file.name.removesuffix(".zstd").removesuffix(".zst")
     damage = ""
-    reader = zstandard.ZstdDecompressor().decompressobj(read_across_frames=True)
+    unpacker = zstandard.ZstdDecompressor()
+    reader = unpacker.decompressobj()
     try:
         with file.open("rb") as source, target.open("wb") as sink:
             while portion := source.read(PORTION):
-                sink.write(reader.decompress(portion))
+                while portion:
+                    reader = unpacker.decompressobj() if reader.eof else reader
+                    sink.write(reader.decompress(portion))
+                    portion = reader.unused_data  # of a further frame
     except zstandard.ZstdError as error:
         damage = f"it is damaged ({error})"
     except OSError as error:

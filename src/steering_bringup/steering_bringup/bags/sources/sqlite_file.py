@@ -25,7 +25,7 @@ ALL = "SELECT count(*) FROM messages"
 STAMPS = "SELECT timestamp FROM messages WHERE typeof(timestamp) = 'integer' ORDER BY timestamp"
 BETWEEN = (
     "SELECT timestamp, topic_id, data FROM messages "
-    f"WHERE timestamp >= ? AND timestamp < ? AND {SOUND}"
+    f"WHERE timestamp >= ? AND timestamp <= ? AND {SOUND}"
 )
 ORDER = "ORDER BY timestamp, id"
 
@@ -52,7 +52,7 @@ class SqliteFile:
             raise BagError(f"'{path}' cannot be read: {error}") from error
 
     def messages(
-        self, keys: Collection[int], start: int, stop: int
+        self, keys: Collection[int], first: int, last: int
     ) -> Iterator[tuple[int, int, bytes]]:
         """Yield (stamp, topic's number, bytes) of topics ``keys`` in order of time."""
         given = 0
@@ -60,13 +60,13 @@ class SqliteFile:
             places = ", ".join(str(key) for key in keys)
             query = f"{BETWEEN} AND topic_id IN ({places}) {ORDER}"
             try:
-                for row in self._connection.execute(query, _within(start, stop)):
+                for row in self._connection.execute(query, (first, last)):
                     yield row
                     given += 1
                 return
             except sqlite3.DatabaseError as error:
                 self._salvage(error)
-        rows = (r for r in self._rows or () if r[1] in keys and start <= r[0] < stop)
+        rows = (r for r in self._rows or () if r[1] in keys and first <= r[0] <= last)
         yield from islice(rows, given, None)
 
     def close(self) -> None:
@@ -137,12 +137,6 @@ class SqliteFile:
         return self._connection.execute(query).fetchall()
 
 
-def _within(start: int, stop: int) -> tuple[int, int]:
-    """Return bounds as SQLite can take them."""
-    least, most = -(1 << 63), (1 << 63) - 1
-    return max(start, least), min(stop, most)
-
-
 def _channels(connection: sqlite3.Connection) -> dict[int, Channel]:
     """Return the topics by number. Columns and tables differ between the versions of rosbag2."""
     have = {row[1] for row in connection.execute("PRAGMA table_info(topics)")}
@@ -153,7 +147,7 @@ def _channels(connection: sqlite3.Connection) -> dict[int, Channel]:
     texts = _definitions(connection)
     made = {}
     for row in connection.execute(f"SELECT id, name, type, {columns} FROM topics"):
-        key, name, kind, encoding, qos, digest = (_text(v) for v in row)
+        name, kind, encoding, qos, digest = map(_text, row[1:])
         encoding = encoding or "cdr"  # the only one that the first version had
         made[int(row[0])] = Channel(name, kind, texts.get(kind, ""), encoding, qos, digest)
     return made

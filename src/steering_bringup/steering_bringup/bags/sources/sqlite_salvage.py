@@ -72,10 +72,15 @@ def padded(path: Path) -> tuple[sqlite3.Connection, bool]:
     if len(data) < 100 or not data.startswith(MAGIC):
         raise sqlite3.DatabaseError("it is no database")
     page = int.from_bytes(data[16:18], "big")
-    page = 65536 if page == 1 else max(page, LEAST_PAGE)
+    page = 65536 if page == 1 else page
+    if page < LEAST_PAGE or page & (page - 1):
+        raise sqlite3.DatabaseError("its head is damaged")
     size = page * int.from_bytes(data[28:32], "big")
     data[18:20] = b"\1\1"  # a write-ahead log has no place in memory
     connection = sqlite3.connect(":memory:")
     whole = bytes(data[: len(data) // page * page])
-    connection.deserialize(whole.ljust(size, MISSING))
+    try:
+        connection.deserialize(whole.ljust(size, MISSING))
+    except (MemoryError, OverflowError):
+        raise sqlite3.DatabaseError("it is too large to be repaired in memory") from None
     return connection, size > len(whole)
