@@ -33,7 +33,7 @@ def message_class(info: TopicInfo) -> Any:
     if info.encoding != CDR:
         raise NotPlayable(f"its messages are encoded as '{info.encoding}', not as {CDR}")
     if not info.msgtype:
-        raise NotPlayable("the bag does not tell its type (no schema)")
+        raise NotPlayable("the bag does not tell its type, it has no schema")
     try:
         made = _imported(info.msgtype)
     except (ImportError, AttributeError, ValueError, TypeError):
