@@ -4,6 +4,7 @@ import sqlite3
 from contextlib import closing
 
 import pytest
+import yaml
 import zstandard
 from foreign_bags import (
     FLOAT,
@@ -30,7 +31,7 @@ SQL_GOOD = ("/good", FLOAT[0], "", numbers())
 def read(path):
     """Return {topic: rows} and the notes of a bag."""
     with closing(open_bag(path)) as bag:
-        heard = {name: [] for name in bag.topics}
+        heard: dict[str, list[tuple[int, bytes]]] = {name: [] for name in bag.topics}
         for stamp, name, data in bag.messages(bag.topics):
             heard[name].append((stamp, data))
         assert {name: len(rows) for name, rows in heard.items()} == {
@@ -129,8 +130,10 @@ def test_messages_that_cannot_be_unpacked_are_counted(tmp_path):
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite"])
 def test_files_that_rosbag2_compressed(storage, tmp_path):
-    make = write_mcap if storage == "mcap" else write_db3
-    plain = make(tmp_path / "a.file", [GOOD if storage == "mcap" else SQL_GOOD])
+    if storage == "mcap":
+        plain = write_mcap(tmp_path / "a.file", [GOOD])
+    else:
+        plain = write_db3(tmp_path / "a.file", [SQL_GOOD])
     folder = tmp_path / "bag"
     folder.mkdir()
     name = f"bag_0.{'mcap' if storage == 'mcap' else 'db3'}"
@@ -332,8 +335,6 @@ def test_a_stamp_far_from_the_others_is_a_stretch_of_its_own(storage, odd, tmp_p
 )
 @pytest.mark.parametrize("told_by", ["channel", "table", "list", "text"])
 def test_what_publishers_kept(profiles, kept, told_by, tmp_path):
-    import yaml
-
     words, folder = yaml.safe_dump(profiles), tmp_path / "bag"
     if told_by == "table":
         write_db3(folder / "a.db3", [("/good", FLOAT[0], words, numbers())])

@@ -4,6 +4,7 @@ from contextlib import contextmanager, suppress
 from time import monotonic
 
 import pytest
+import yaml
 from foreign_bags import FLOAT, STEP, T0, number, numbers, profile, write_mcap
 
 from steering_bringup.errors import BenchError
@@ -102,8 +103,6 @@ def test_from_and_to_count_what_is_played(tmp_path):
 
 
 def latched(*depths):
-    import yaml
-
     return ("cdr", {"offered_qos_profiles": yaml.safe_dump([profile(depth=d) for d in depths])})
 
 

@@ -2,8 +2,11 @@
 
 import sqlite3
 import struct
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
+import yaml
 from mcap.writer import CompressionType, Writer
 
 FLOAT = ("std_msgs/msg/Float64", "ros2msg", "float64 data\n")
@@ -12,20 +15,22 @@ T0 = 1_700_000_000 * 10**9
 STEP = 10**7
 
 
-def number(value):
+def number(value: float) -> bytes:
     return b"\0\1\0\0" + struct.pack("<d", value)
 
 
-def text(value):
+def text(value: str) -> bytes:
     data = value.encode() + b"\0"
     return b"\0\1\0\0" + struct.pack("<I", len(data)) + data
 
 
-def numbers(count=20, start=T0, step=STEP):
+def numbers(count: int = 20, start: int = T0, step: int = STEP) -> list[tuple[int, bytes]]:
     return [(start + k * step, number(k)) for k in range(count)]
 
 
-def profile(durability="transient_local", depth=1, history="keep_last"):
+def profile(
+    durability: str | int = "transient_local", depth: int = 1, history: str | int = "keep_last"
+) -> dict[str, Any]:
     infinite = {"sec": 9223372036, "nsec": 854775807}
     return {
         "history": history,
@@ -40,7 +45,13 @@ def profile(durability="transient_local", depth=1, history="keep_last"):
     }
 
 
-def write_mcap(path, channels, packing="zstd", chunks=True, chunk_size=1 << 20):
+def write_mcap(
+    path: Path,
+    channels: Iterable[Sequence[Any]],
+    packing: str = "zstd",
+    chunks: bool = True,
+    chunk_size: int = 1 << 20,
+) -> Path:
     """channels: (topic, schema or None, rows, options); options: encoding, metadata."""
     path.parent.mkdir(parents=True, exist_ok=True)
     kinds = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "": CompressionType.NONE}
@@ -60,7 +71,12 @@ def write_mcap(path, channels, packing="zstd", chunks=True, chunk_size=1 << 20):
     return path
 
 
-def write_db3(path, topics, version=3, definitions=()):
+def write_db3(
+    path: Path,
+    topics: Iterable[tuple[str, str, str, list[tuple[int, bytes]]]],
+    version: int = 3,
+    definitions: Iterable[Sequence[str]] = (),
+) -> Path:
     """topics: (name, type, offered profiles as text, rows). ``version``: of the table's columns."""
     path.parent.mkdir(parents=True, exist_ok=True)
     columns = ["id INTEGER PRIMARY KEY", "name TEXT", "type TEXT", "serialization_format TEXT"]
@@ -94,10 +110,15 @@ def write_db3(path, topics, version=3, definitions=()):
     return path
 
 
-def write_metadata(folder, files, topics=(), count=20, start=T0, **more):
+def write_metadata(
+    folder: Path,
+    files: Iterable[str],
+    topics: Iterable[tuple[str, str, Any]] = (),
+    count: int = 20,
+    start: int = T0,
+    **more: Any,
+) -> Path:
     """topics: (name, type, offered profiles as YAML text or as a list)."""
-    import yaml
-
     information = {
         "version": 9,
         "storage_identifier": "mcap",

@@ -58,7 +58,8 @@ class Course:
     def silences(self) -> list[str]:
         """Return a line for each silence that is left out."""
         return [
-            f"nothing was recorded for {_length(following - end)} after {_date(end)}: left out"
+            f"nothing was recorded for {_length(following - end)} after {_date(end)}: "
+            "not waited for"
             for (_, end), (following, _) in pairwise(self.spans)
         ]
 

@@ -49,8 +49,9 @@ def kept_of(profiles: Any) -> Kept:
     if len(durable) != 1:
         return Kept(bool(durable))
     depth = durable[0].get("depth")
-    known = _is(durable[0], "history", KEEP_LAST) and isinstance(depth, int) and depth > 0
-    return Kept(True, depth if known else 0)
+    if isinstance(depth, int) and depth > 0 and _is(durable[0], "history", KEEP_LAST):
+        return Kept(True, depth)
+    return Kept(True)
 
 
 def is_latched_by_name(topic: str) -> bool:

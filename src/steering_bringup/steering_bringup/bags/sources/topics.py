@@ -8,7 +8,7 @@ from typing import Protocol
 
 from steering_bringup.bags.chunks import Channel
 from steering_bringup.bags.definitions import typestore_of
-from steering_bringup.bags.meaning import fields_of_definition, first_difference
+from steering_bringup.bags.meaning import Field, fields_of_definition, first_difference
 from steering_bringup.bags.sources.qos import Kept, is_latched_by_name, kept_of
 
 
@@ -103,13 +103,14 @@ def _same(one: TopicInfo, other: TopicInfo) -> bool:
     if one.definition == other.definition or not one.definition or not other.definition:
         return True
     try:
-        fields = [
-            fields_of_definition(i.msgtype, typestore_of({i.msgtype: i.definition}).fielddefs)
-            for i in (one, other)
-        ]
+        return not first_difference(_fields(one), _fields(other))
     except KeyError:
         return False
-    return not first_difference(*fields)
+
+
+def _fields(info: TopicInfo) -> tuple[Field, ...]:
+    store = typestore_of({info.msgtype: info.definition})
+    return fields_of_definition(info.msgtype, store.fielddefs)
 
 
 def _label(info: TopicInfo, taken: Collection[str]) -> str:
