@@ -84,6 +84,7 @@ def write_db3(
     columns += ["type_description_hash TEXT"] * (version >= 4)
     connection = sqlite3.connect(path)
     make = connection.execute
+    make("PRAGMA synchronous = OFF")
     make(f"CREATE TABLE topics({', '.join(columns)})")
     make(
         "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, "

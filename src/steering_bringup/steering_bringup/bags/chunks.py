@@ -152,7 +152,7 @@ def open_chunk(data: memoryview, start: int, body: int, end: int, found: Scan) -
         (stored,) = u64(data, position)
         packed = data[position + 8 : position + 8 + stored]
         if name and name not in DECOMPRESSORS:
-            found.damage.append(f"the chunk at byte {start} is packed as '{name}': left out")
+            found.damage.append(f"the chunk at byte {start} is packed as {name[:9]!a}: left out")
             return None
         content = _decompress(name, packed)
         intact = len(content) == size and (not checksum or zlib.crc32(content) == checksum)

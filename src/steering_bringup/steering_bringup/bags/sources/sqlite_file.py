@@ -14,7 +14,7 @@ import numpy as np
 from steering_bringup.bags.chunks import Channel
 from steering_bringup.bags.errors import BagError
 from steering_bringup.bags.sources.spans import SILENCE_NS, Span, joined, spans_of
-from steering_bringup.bags.sources.sqlite_salvage import Row, padded, salvaged
+from steering_bringup.bags.sources.sqlite_salvage import DAMAGE, Row, padded, salvaged
 
 SOUND = "typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"
 EXTENT = (
@@ -43,11 +43,12 @@ class SqliteFile:
         self._copy: TemporaryDirectory[str] | None = None
         try:
             self._connection = self._connect(path)
-        except (sqlite3.DatabaseError, OSError) as error:
+        except (*DAMAGE, OSError) as error:
             raise BagError(f"'{path}' cannot be read: {error}") from error
+        self._connection.text_factory = _text
         try:
             self._open()
-        except sqlite3.DatabaseError as error:
+        except DAMAGE as error:
             self.close()
             raise BagError(f"'{path}' cannot be read: {error}") from error
 
@@ -64,7 +65,7 @@ class SqliteFile:
                     yield row
                     given += 1
                 return
-            except sqlite3.DatabaseError as error:
+            except DAMAGE as error:
                 self._salvage(error)
         rows = (r for r in self._rows or () if r[1] in keys and first <= r[0] <= last)
         yield from islice(rows, given, None)
@@ -80,7 +81,7 @@ class SqliteFile:
             self.channels = _channels(self._connection)
             rows = self._all(EXTENT)
             self._count(rows)
-        except sqlite3.DatabaseError as error:
+        except DAMAGE as error:
             self._salvage(error)
 
     def _count(self, rows: list[tuple[int, int, int, int]]) -> None:
@@ -95,10 +96,11 @@ class SqliteFile:
         if self.spans and self.spans[-1][1] - self.spans[0][0] > SILENCE_NS:
             self.spans = spans_of(np.array([stamp for (stamp,) in self._all(STAMPS)], np.int64))
 
-    def _salvage(self, error: sqlite3.DatabaseError) -> None:
+    def _salvage(self, error: Exception) -> None:
         """Take what is left of the file into memory."""
         self._connection.close()
         self._connection, is_short = padded(self.path)
+        self._connection.text_factory = _text
         self.channels = self.channels or _channels(self._connection)
         found = [row for row in salvaged(self._connection, is_short) if row[1] in self.channels]
         self._rows = sorted(found, key=lambda row: row[0])
@@ -119,7 +121,7 @@ class SqliteFile:
             return connection
         except sqlite3.OperationalError:
             connection.close()
-        except sqlite3.DatabaseError:
+        except DAMAGE:
             return connection  # told by the first who reads
         logs = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
         if logs := [log for log in logs if log.is_file() and log.stat().st_size]:

@@ -12,6 +12,9 @@ Row = tuple[int, int, bytes]
 MAGIC = b"SQLite format 3\0"
 MISSING = b"\xff"
 LEAST_PAGE = 512
+DAMAGE = (sqlite3.DatabaseError, UnicodeDecodeError)
+"""What reading a damaged file raises; its own message may be no text."""
+
 HIGHEST = (1 << 63) - 1
 AFTER = "SELECT id, timestamp, topic_id, data FROM messages NOT INDEXED WHERE id > ? ORDER BY id"
 
@@ -23,17 +26,21 @@ def salvaged(connection: sqlite3.Connection, is_short: bool) -> Iterator[Row]:
     SQLite; it is then left out where such a page may be missing.
     """
     last: int | None = 0
-    while last is not None:
-        rows = connection.execute(AFTER, (last,))
+    (pages,) = connection.execute("PRAGMA page_count").fetchone()
+    for _ in range(pages):  # each of them can be bad once
+        if last is None:
+            return
         try:
-            for number, stamp, key, data in rows:
+            for number, stamp, key, data in connection.execute(AFTER, (last,)):
+                if number <= last:
+                    continue  # a damaged tree leads to a row again
                 last = number
                 sound = isinstance(stamp, int) and isinstance(key, int) and isinstance(data, bytes)
                 lost = is_short and sound and len(data) > LEAST_PAGE - 40
                 if sound and not (lost and data.endswith(MISSING)):
                     yield stamp, key, data
             return
-        except sqlite3.DatabaseError:
+        except DAMAGE:
             last = _behind(connection, last)
 
 
@@ -58,7 +65,7 @@ def _readable(connection: sqlite3.Connection, number: int) -> bool:
     try:
         connection.execute(f"{AFTER} LIMIT 1", (number,)).fetchone()
         return True
-    except sqlite3.DatabaseError:
+    except DAMAGE:
         return False
 
 
