@@ -6,13 +6,13 @@ import argparse
 import contextlib
 import os
 import re
-import select
 import sys
 import traceback
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import Any
 
+from steering_bringup.cli import streams
 from steering_bringup.interrupts import nothing_to_lose
 
 COMMANDS = {
@@ -61,6 +61,7 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status: 0 only on success."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    streams.prepare()
     with contextlib.suppress(OSError):
         # Last, so that it shadows nothing: where a node of one's own (MODULE:FUNCTION) is found.
         sys.path.append(os.getcwd())
@@ -73,28 +74,23 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser.print_help()
         return USAGE
     try:
-        return int(options.implementation.execute(options) or 0)
+        status = int(options.implementation.execute(options) or 0)
+        sys.stdout.flush()
+        return status
     except KeyboardInterrupt:
         print("steer: interrupted", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:
-        if isinstance(error, BrokenPipeError) and _reader_is_gone():
+        if isinstance(error, BrokenPipeError) and streams.reader_is_gone():
             return 0
         if options.debug:
             traceback.print_exc()
         print(f"steer {options.command}: {_one_line(error)}", file=sys.stderr)
+        try:
+            sys.stdout.flush()
+        except OSError:
+            streams.be_quiet(sys.stdout)
         return FAILED
-
-
-def _reader_is_gone() -> bool:
-    """Return whether the reader of standard output (head, less) has had enough; then be quiet."""
-    poll = select.poll()
-    poll.register(sys.stdout.fileno(), select.POLLOUT)
-    gone = any(events & select.POLLERR for _, events in poll.poll(0))
-    if gone:
-        # What is still buffered would raise once more when the interpreter ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return gone
 
 
 def _parser(arguments: Sequence[str]) -> _Parser:
