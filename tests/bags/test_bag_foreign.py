@@ -1,5 +1,7 @@
 """Bags that other tools wrote, and types that this software does not know."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import yaml
@@ -57,7 +59,7 @@ def test_a_broken_database_is_named(tmp_path):
 def test_reading_another_recorder_s_file_leaves_it_as_it_is(kind, tmp_path):
     """What its channels tell of publishers, and channels of their own, would be lost."""
     told = ("cdr", {"offered_qos_profiles": yaml.safe_dump([profile()])})
-    channels = {
+    channels: list[Any] = {
         "kept": [("/a", FLOAT, numbers(), told)],
         "typeless": [("/a", FLOAT, numbers()), ("/b", None, numbers())],
         "two channels": [("/a", FLOAT, numbers()[:10]), ("/a", FLOAT, numbers()[10:])],

@@ -48,6 +48,7 @@ def quick(tmp_path, monkeypatch, capsys):
             monkeypatch.setattr(sys, "argv", words)
             with pytest.raises(SystemExit) as left:
                 runpy.run_path(words[0], run_name="__main__")
+            assert isinstance(left.value.code, int)
             status, printed = left.value.code, capsys.readouterr().out
         return status, printed.rstrip().splitlines(), json.loads(file.read_text())
 

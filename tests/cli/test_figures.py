@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -70,7 +71,9 @@ def test_figures_are_rewritten_and_nothing_else(tmp_path):
     page = "a <!-- bench: x.a -->1<!-- /bench --> b <!-- bench: x.b -->2<!-- /bench -->\n"
     (tmp_path / "README.md").write_text(page)
     (tmp_path / "docs" / "one.md").write_text("nothing here\n")
-    rows = {"x": {"a": {"value": 3.0, "text": "3.0"}, "b": {"value": None, "text": "-"}}}
+    rows: dict[str, dict[str, dict[str, Any]]] = {
+        "x": {"a": {"value": 3.0, "text": "3.0"}, "b": {"value": None, "text": "-"}}
+    }
     changed, stale = figures.rewrite(tmp_path, rows)
     assert changed == [tmp_path / "README.md"]
     assert stale == ["x.b"]

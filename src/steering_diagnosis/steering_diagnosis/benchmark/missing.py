@@ -80,13 +80,15 @@ def costs(judgements: Iterable[Judgement]) -> list[Cost]:
     pairs: dict[str, list[tuple[Judgement, Judgement]]] = {}
     for found in by_specimen.values():
         whole = next((j for j in found if not j.door["lacking"]), None)
-        for judgement in found if whole else ():
+        if whole is None:
+            continue
+        for judgement in found:
             for name in _sets_of(judgement, whole):
                 pairs.setdefault(name, []).append((whole, judgement))
     return [_cost(name, pairs[name]) for name in SETS if name in pairs]
 
 
-def _sets_of(judgement: Judgement, whole: Judgement | None) -> list[str]:
+def _sets_of(judgement: Judgement, whole: Judgement) -> list[str]:
     """Return the sets of channels that a judgement stands for; all are in one set alone."""
     lacking = tuple(judgement.door["lacking"])
     if judgement is whole:
