@@ -61,7 +61,7 @@ def floats(
 
 
 def test_a_mapped_file_against_a_run(make_run, tmp_path):
-    run = make_run("run")
+    run = make_run("run", duration=3.0)
     measured = trace_of(csv(tmp_path, run, bar=0.5), mapping(tmp_path))
     result = compare(run, measured)
     assert set(result.differences) == {"left_pressure", "steering_wheel_angle"}
@@ -72,13 +72,14 @@ def test_a_mapped_file_against_a_run(make_run, tmp_path):
     assert verdict(result).good is None
     assert any("drive.csv does not hold: steering wheel torque" in n for n in result.notes)
     assert "left chamber by at most 0.50 bar" in verdict(result).sentence
+    assert verdict(result).sentence.startswith("drive.csv against run")
     text = write_page(result, tmp_path / "page.html").read_text("utf-8")
     assert "Left chamber" in text
     assert max(len(line) for line in summary(result).splitlines()[:4]) <= 100
 
 
 def test_a_file_given_twice_differs_by_nothing_and_is_no_run(make_run, tmp_path):
-    path = csv(tmp_path, make_run("run"))
+    path = csv(tmp_path, make_run("run", duration=3.0))
     first, second = (trace_of(path, mapping(tmp_path)) for _ in range(2))
     result = compare(first, second)
     assert all(item.largest == 0.0 for item in result.differences.values())
@@ -90,7 +91,7 @@ def test_a_file_given_twice_differs_by_nothing_and_is_no_run(make_run, tmp_path)
 
 
 def test_mdf_against_csv_with_a_mapping_each(make_run, tmp_path):
-    run = make_run("run")
+    run = make_run("run", duration=3.0)
     seconds = run["/steering/torque"]["tick"] * 1e-3
     force = 100.0 * np.sin(seconds)
     mf4 = written(
@@ -158,12 +159,13 @@ def test_bags_of_another_tool_share_what_they_share(tmp_path):
     assert result.systems == ("", "")
     page = write_page(result, tmp_path / "page.html").read_text("utf-8")
     assert "/wheel/speed data" in page
-    assert "Nothing is recorded about how they were made." in page
+    assert "Nothing that differs is recorded about how they were made." in page
+    assert "nothing is filtered or resampled" not in page
     json.dumps(result.to_dict(), allow_nan=False)
 
 
 def test_nothing_shared_is_one_line(make_run, tmp_path, capsys):
-    run = make_run("run")
+    run = make_run("run", duration=3.0)
     bag = floats(tmp_path / "a", {"/only_a": np.arange(300.0)}, 10**6)
     with pytest.raises(BagError, match="run and a share no signal to compare"):
         compare(run, trace_of(bag, None))
@@ -172,7 +174,7 @@ def test_nothing_shared_is_one_line(make_run, tmp_path, capsys):
 
 
 def test_a_file_needs_its_mapping(make_run, tmp_path):
-    path = csv(tmp_path, make_run("run"))
+    path = csv(tmp_path, make_run("run", duration=3.0))
     with pytest.raises(BenchError, match="needs a mapping file"):
         trace_of(path, None)
     with pytest.raises(BenchError, match="no bag"):

@@ -25,7 +25,7 @@ def comparison_page(result: Comparison) -> Page:
     judged = verdict(result)
     first, second = result.names
     page = Page(
-        title=f"{_start(first)} and {second} compared",
+        title=f"{_start(first) if result.of_runs else first} and {second} compared",
         subtitle=_subtitle(result),
         lead=_UNIT_AFTER_NUMBER.sub("\\1\N{NO-BREAK SPACE}\\2", judged.sentence),
         good=judged.good,
@@ -38,7 +38,7 @@ def comparison_page(result: Comparison) -> Page:
     page.add(table(("Energy", "Unit", first, second, "Difference"), _energy_rows(result)))
     page.heading(
         "Figures",
-        f"Differences are {second} minus {first}, tick by tick; nothing is filtered or resampled. "
+        f"Differences are {second} minus {first}, tick by tick; {_treatment(result)}. "
         "Drag to zoom, double-click to go back, click a name to hide its curve.",
     )
     for figure in figures(result):
@@ -54,6 +54,12 @@ def comparison_page(result: Comparison) -> Page:
 
 def _start(text: str) -> str:
     return text[:1].upper() + text[1:]
+
+
+def _treatment(result: Comparison) -> str:
+    if result.of_runs:
+        return "nothing is filtered or resampled"
+    return "what was not sampled at 1 kHz was brought onto it, as the notes say"
 
 
 def _subtitle(result: Comparison) -> str:
@@ -169,8 +175,8 @@ def _energy_rows(result: Comparison) -> list[tuple[str, ...]]:
 
 
 def _changed(result: Comparison) -> str:
-    if not any(trace.run for trace in result.traces):
-        return paragraph("Nothing is recorded about how they were made.")
+    if not result.changed and not result.of_runs:
+        return paragraph("Nothing that differs is recorded about how they were made.")
     if not result.changed:
         return paragraph("Both runs were made with the same parameters, node set and software.")
     rows = [(name, _text(a), _text(b)) for name, a, b in result.changed]

@@ -45,7 +45,8 @@ def verdict(result: Comparison) -> Verdict:
     judged = [good for good in within if good is not None]
     opening = _opening(result, all(judged) if judged else None)
     sentence = f"{opening}: they differ in {' and in '.join(parts)}" if parts else opening
-    sentence = sentence[:1].upper() + sentence[1:]
+    if result.of_runs:  # The name of a file keeps its letters.
+        sentence = sentence[:1].upper() + sentence[1:]
     return Verdict(sentence + _growth_text(result) + ".", all(judged) if judged else None)
 
 
