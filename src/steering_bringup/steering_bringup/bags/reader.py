@@ -21,7 +21,7 @@ from steering_bringup.bags.recovery import repair
 from steering_bringup.bags.scan import Scan, scan
 from steering_bringup.bags.sources.files import bag_files, kind_of
 from steering_bringup.bags.trace import Trace
-from steering_bringup.bags.writer import OUTCOME_KEY, RUN_KEY
+from steering_bringup.bags.writer import BROKEN_OFF, BROKEN_OFF_KEY, OUTCOME_KEY, RUN_KEY
 
 
 def read_bag(
@@ -48,6 +48,8 @@ def read_bag(
     trace = _read(file, found, topics)
     trace.path = path
     trace.run, trace.outcome = read_run(path)
+    if trace.outcome.startswith(BROKEN_OFF):
+        trace.notes.append(f"the run was {trace.outcome}{_why(trace.run)}")
     if trace.complete and path.is_dir() and not (path / METADATA_FILE).exists():
         trace.complete = False
         trace.notes.insert(0, "not complete (metadata.yaml is missing): every message is there")
@@ -57,6 +59,10 @@ def read_bag(
         else:
             trace.notes.append(_try_repair(path))
     return trace
+
+
+def _why(run: dict[str, Any]) -> str:
+    return f": {run[BROKEN_OFF_KEY]}" if run.get(BROKEN_OFF_KEY) else ""
 
 
 def _try_repair(path: Path) -> str:
