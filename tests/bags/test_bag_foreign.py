@@ -59,12 +59,12 @@ def test_a_broken_database_is_named(tmp_path):
 def test_reading_another_recorder_s_file_leaves_it_as_it_is(kind, tmp_path):
     """What its channels tell of publishers, and channels of their own, would be lost."""
     told = ("cdr", {"offered_qos_profiles": yaml.safe_dump([profile()])})
-    kinds: dict[str, list[Any]] = {
+    channels: dict[str, list[tuple[Any, ...]]] = {
         "kept": [("/a", FLOAT, numbers(), told)],
         "typeless": [("/a", FLOAT, numbers()), ("/b", None, numbers())],
         "two channels": [("/a", FLOAT, numbers()[:10]), ("/a", FLOAT, numbers()[10:])],
     }
-    file = write_mcap(tmp_path / "rig" / "rig_0.mcap", kinds[kind], "")
+    file = write_mcap(tmp_path / "rig" / "rig_0.mcap", channels[kind], "")
     before = file.read_bytes()
     assert len(read_bag(file.parent)["/a"]) == 20
     assert [f.name for f in file.parent.iterdir()] == ["rig_0.mcap"]
