@@ -72,7 +72,7 @@ def _of_python_to_leave(name: str) -> bool:
 
 
 def on_the_network(variables: dict[str, str]) -> None:
-    """Settle how far a run is seen; SetupError for what would be seen further than it should."""
+    """Settle how far a run is seen; SetupError for what is not clear or not secured."""
     if variables.pop("ROS_LOCALHOST_ONLY", "0") == "1":
         variables[RANGE] = "LOCALHOST"
     how_far = variables.setdefault(RANGE, "LOCALHOST") or "LOCALHOST"
