@@ -105,7 +105,7 @@ def test_ros_gets_a_log_folder_that_can_be_written(base, tmp_path):
 
 
 def test_in_a_read_only_checkout_the_log_folder_is_a_temporary_one(monkeypatch, tmp_path):
-    monkeypatch.setattr(inherited.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     folder = Path(run_in({}, Path("/proc/none"))["ROS_LOG_DIR"])
     assert folder.parent == tmp_path
     assert folder.is_dir()

@@ -98,7 +98,7 @@ def test_a_kernel_cache_that_cannot_be_written_is_named(monkeypatch):
 def test_without_a_user_s_cache_the_kernels_have_a_temporary_one(cache, monkeypatch, tmp_path):
     monkeypatch.delenv("STEER_KERNEL_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", cache)
-    monkeypatch.setattr(compiled.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     assert compiled.cache_root().parent == tmp_path
 
 
