@@ -1,6 +1,7 @@
 """What comes in through any door is what the bag holds, as far as its channels and logger go."""
 
 from collections import Counter
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,15 +12,18 @@ from hypothesis import strategies as st
 from steering_core.errors import BenchError
 from steering_core.parameters import load_parameters
 from steering_diagnosis.benchmark.bags import record_of
+from steering_diagnosis.benchmark.baseline import baseline
 from steering_diagnosis.benchmark.by_door import ROWS, by_door, rows_of
 from steering_diagnosis.benchmark.cases import draw_case, system_of
 from steering_diagnosis.benchmark.doors.channel_sets import LACKABLE, RIG, checked, lacking_in
 from steering_diagnosis.benchmark.doors.door import KINDS, Door, draw_door
 from steering_diagnosis.benchmark.doors.logger import FEW_DIGITS, Logger, rounded
 from steering_diagnosis.benchmark.doors.write import paths, write_mapping, write_through
+from steering_diagnosis.benchmark.methods import call
 from steering_diagnosis.benchmark.missing import costs, without_each
 from steering_diagnosis.benchmark.runner import Job, plan, run_jobs, solve
-from steering_diagnosis.benchmark.scoring import Judgement, rates
+from steering_diagnosis.benchmark.scoring import Judgement, judge, rates
+from steering_diagnosis.benchmark.sealed import Sealed
 from steering_diagnosis.benchmark.truth.course import draw_course
 from steering_diagnosis.benchmark.truth.disturbance import RESOLUTION, disturbance
 from steering_diagnosis.benchmark.truth.run import run_closed_loop
@@ -81,6 +85,17 @@ def test_every_door_gives_the_bags_record(kind, cases, tmp_path_factory, seed, s
         there = np.isfinite(values)
         assert there.mean() > 0.75
         assert np.all((values >= low)[there] & (values <= high)[there]), name
+
+
+def test_the_baseline_takes_what_every_door_gives(cases, tmp_path):
+    for kind, system, lacking in [
+        ("bag", "open_centre", ("driver_torque", "left_pressure")),
+        ("csv", "closed_centre", RIG),
+    ]:
+        door = Door(kind, lacking, Logger(gaps=((0.5, 0.1),)) if kind == "csv" else Logger())
+        come_in(door, cases[system], tmp_path)
+        at = paths(door, tmp_path, "record")
+        assert call(baseline, replace(at, holdout=at.record))["verdict"] in ("clean", "named")
 
 
 def test_a_gap_of_the_logger_is_a_gap_of_the_record(cases, tmp_path):
@@ -188,7 +203,21 @@ def test_what_channels_do_not_show_is_not_missed_but_may_not_be_misnamed():
     assert found["one effect: alone and right"].n == 1
     assert found["not shown by its channels: a wrong name"].value == 1.0
     row = {r.what: r for r in by_door([seen, unseen])}["a rig's seven channels"]
-    assert (row.asked, row.unseen, row.wrong) == (0, 1, 1)
+    assert (row.asked, row.unseen, row.wrong, row.alarms) == (0, 1, 1, 0)
+
+
+def test_what_several_known_effects_imitate_counts_nowhere():
+    """A bending rack, through few channels, is a heavier one with some friction."""
+    about = ("outside-1", "outside", 1, "open_centre", "steps", "bicycle")
+    door = {"kind": "bag", "lacking": ["speeds"], "ways": []}
+    sealed = Sealed(*about, {"rack_bending": 11.0}, mistaken={"rack_bending": []},
+        ratios={"rack_bending": 46.0}, door=door, unseen=["rack_bending"])  # fmt: skip
+    said = {"verdict": "named", "causes": [{"effect": "rack_mass"}]}
+    assert all(rate.n == 0 for rate in rates([judge(said, sealed)]))
+    assert all(row.wrong == 0 for row in by_door([judge(said, sealed)]))
+    faint = replace(sealed, ratios={"rack_bending": 1.0})
+    found = {rate.what: rate for rate in rates([judge(said, faint)])}
+    assert found["not shown by its channels: a wrong name"].value == 1.0
 
 
 def test_the_cost_of_a_missing_channel_is_counted_over_the_same_specimens():

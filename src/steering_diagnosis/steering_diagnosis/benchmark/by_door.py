@@ -36,7 +36,8 @@ class Row:
 
     right: of ``asked`` cases with one visible effect or two, those of which all were named, and
     nothing else. wrong, errors, unseen: cases with a wrong name, that ended in an error, and whose
-    channels do not show what is hidden. within, covered: of ``parameters``.
+    channels do not show what is hidden. alarms: cases of which nothing can be seen, called
+    unexplained. within, covered: of ``parameters``.
     """
 
     what: str
@@ -45,6 +46,7 @@ class Row:
     right: int
     wrong: int
     unseen: int
+    alarms: int
     errors: int
     parameters: int
     within: int
@@ -57,6 +59,7 @@ HEAD = (
     "named right",
     "wrong names",
     "not shown",
+    "alarms",
     "errors",
     "within 15 %",
     "covered",
@@ -92,6 +95,7 @@ def cells(row: Row) -> tuple[str, ...]:
         f"{row.right} of {row.asked}",
         str(row.wrong),
         str(row.unseen),
+        str(row.alarms),
         str(row.errors),
         f"{row.within} of {row.parameters}",
         f"{row.covered} of {row.parameters}",
@@ -107,10 +111,16 @@ def _row(what: str, cases: Sequence[Judgement]) -> Row:
         len(cases),
         len(asked),
         sum(set(j.right) == set(j.hidden) and not j.wrong for j in asked),
-        sum(bool(j.wrong) for j in cases),
+        sum(bool(j.wrong) and not j.imitated for j in cases),
         sum(bool(j.unseen) for j in cases),
+        sum(j.unexplained for j in cases if j.kind in ("clean", "invisible") or _nothing(j)),
         sum(bool(j.failure) for j in cases),
         len(errors),
         sum(e <= PARAMETER_WITHIN for e in errors),
         sum(c for j in one for c in j.covered.values()),
     )
+
+
+def _nothing(judgement: Judgement) -> bool:
+    """Return whether the channels show nothing of what is hidden."""
+    return set(judgement.unseen) == set(judgement.hidden) and not judgement.imitated

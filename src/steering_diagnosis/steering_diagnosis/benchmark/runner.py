@@ -147,10 +147,7 @@ def solve(job: Job, method: str, folder: Path) -> Judgement:
     """
     kept = folder / "results" / method.replace(":", ".") / f"{job.case}.json"
     if kept.is_file():
-        content = json.loads(kept.read_text(encoding="utf-8"))["judgement"]
-        return Judgement(
-            **{k: _tuples(v) if isinstance(v, list) else v for k, v in content.items()}
-        )
+        return _kept(kept, _sealed(job, folder))
     try:
         at = prepare(job, folder)
     except Exception as error:
@@ -168,6 +165,15 @@ def solve(job: Job, method: str, folder: Path) -> Judgement:
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.write_text(json.dumps({"judgement": judgement.as_json(), "report": report}) + "\n")
     return judgement
+
+
+def _kept(file: Path, sealed: Path) -> Judgement:
+    """Return the judgement of a kept result: of its report anew, as rules of judging may change."""
+    kept = json.loads(file.read_text(encoding="utf-8"))
+    before = kept["judgement"]
+    if kept["report"] and sealed.is_file():
+        return judge(kept["report"], read_sealed(sealed), before["seconds"])
+    return Judgement(**{k: _tuples(v) if isinstance(v, list) else v for k, v in before.items()})
 
 
 def prepare(job: Job, folder: Path) -> Paths:

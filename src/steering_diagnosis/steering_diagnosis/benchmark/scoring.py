@@ -10,7 +10,8 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-from steering_diagnosis.benchmark.cases import Sealed
+from steering_diagnosis.benchmark.sealed import Sealed
+from steering_diagnosis.benchmark.visibility import INVISIBLE
 
 PARAMETER_WITHIN = 0.15
 """Error of a parameter over its distance from neutral."""
@@ -27,7 +28,8 @@ class Judgement:
     neither hidden nor, on this record, the same as what is hidden. errors, covered, half_widths:
     of judged parameters "effect.parameter", relative to the distance from neutral. gain: share of
     the held-out error energy above the noise that is gone, None where the report does not say.
-    door, unseen: as the sealed truth has them.
+    imitated: what is outside the catalogue looks like what is in it. door, unseen: as the sealed
+    truth has them.
     """
 
     case: str
@@ -78,7 +80,7 @@ def judge(report: Mapping[str, Any], sealed: Sealed, seconds: float = 0.0) -> Ju
         alone=tuple(alone),
         wrong=tuple(wrong),
         unexplained=bool(report.get("unexplained")) or report.get("verdict") == "unexplained",
-        imitated=sealed.kind == "outside" and any(sealed.mistaken.values()),
+        imitated=sealed.kind == "outside" and _imitated(sealed),
         errors=errors,
         covered=covered,
         half_widths=half_widths,
@@ -87,6 +89,15 @@ def judge(report: Mapping[str, Any], sealed: Sealed, seconds: float = 0.0) -> Ju
         door=sealed.door,
         unseen=tuple(sealed.unseen),
     )
+
+
+def _imitated(sealed: Sealed) -> bool:
+    """Return whether known effects look like what is hidden, alone or several together.
+
+    With all channels nothing is drawn that several imitate; with fewer they may.
+    """
+    together = any(sealed.ratios[name] > INVISIBLE for name in sealed.unseen)
+    return together or any(sealed.mistaken.values())
 
 
 def failed(sealed: Sealed, error: str, seconds: float) -> Judgement:
@@ -158,7 +169,7 @@ def rates(judgements: Iterable[Judgement]) -> list[Rate]:
     """Return all rates of the benchmark with their targets."""
     by: dict[str, list[Judgement]] = {}
     for j in judgements:
-        by.setdefault("unseen" if j.unseen else j.kind, []).append(j)
+        by.setdefault("unseen" if j.unseen and not j.imitated else j.kind, []).append(j)
     one, two, none = by.get("visible", []), by.get("pair", []), by.get("clean", [])
     outside = [j for j in by.get("outside", []) if not j.imitated]
     named = [bool(j.right) and not j.wrong for j in one]
