@@ -8,14 +8,30 @@ from steering_diagnosis.benchmark.doors.door import Door
 from steering_diagnosis.benchmark.doors.logger import Logger
 from steering_diagnosis.benchmark.doors.write import paths, write_mapping, write_through
 from steering_diagnosis.data.read import read_record
+from steering_diagnosis.steering import suspects
 from steering_diagnosis.steering.diagnose_record import diagnose_record
+from steering_plant.effects import EFFECTS
 
 NOMINAL = load_parameters()
-SECONDS = 4.0
+SECONDS = 3.0
 LACKING = ("load_command", "speeds", "driver_torque")
 PLAIN = Door("bag", LACKING)
 CSV = Door("csv", LACKING, Logger(start=1712.25, drift=4e-5, jitter=2e-5), way=1)
 MDF = Door("mdf", LACKING, Logger(start=3.5, drift=-3e-5, other=(0.1, 2e-5)))
+KNOWN = (
+    "torque_sensor_offset",
+    "torque_sensor_gain",
+    "rack_friction_level",
+    "cross_piston_leakage",
+    "pressure_sensor_offset_left",
+    "pump_flow_level",
+)
+"""Enough of the catalogue to be wrong; all of it takes minutes."""
+
+
+@pytest.fixture(autouse=True)
+def small_catalogue(monkeypatch):
+    monkeypatch.setattr(suspects, "EFFECTS", {name: EFFECTS[name] for name in KNOWN})
 
 
 def reports(kind, seed, effect, doors, folder):

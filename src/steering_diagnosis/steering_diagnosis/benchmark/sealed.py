@@ -38,7 +38,7 @@ class Sealed:
     mistaken: Mapping[str, list[str]] = field(default_factory=dict)
     ratios: Mapping[str, float] = field(default_factory=dict)
     door: Mapping[str, Any] = field(default_factory=dict)
-    unseen: Sequence[str] = ()
+    unseen: Sequence[str] = field(default_factory=list)
 
     @property
     def hidden(self) -> tuple[str, ...]:
