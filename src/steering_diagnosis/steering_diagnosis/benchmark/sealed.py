@@ -60,7 +60,7 @@ def read_sealed(file: Path) -> Sealed:
         raise BenchError(f"'{file}' is no sealed truth: {error}") from None
     if _digest(content) != digest:
         raise BenchError(f"'{file}' has been changed since it was sealed: draw the case again")
-    return Sealed(**{**content, "unseen": tuple(content.get("unseen", ()))})
+    return Sealed(**content)
 
 
 def _digest(content: Mapping[str, Any]) -> str:
