@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from steering_bringup.benchmarking.program import Measured, finish
+from steering_bringup.benchmarking.registry import BENCHMARKS
+from steering_bringup.benchmarking.rows import Benchmark, Row
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
 from steering_diagnosis.benchmark import missing
@@ -36,7 +40,7 @@ from steering_diagnosis.benchmark.runner import (
     plan,
     run_jobs,
 )
-from steering_diagnosis.benchmark.scoring import Judgement, confusion, rates
+from steering_diagnosis.benchmark.scoring import Judgement, Rate, confusion, rates
 from steering_diagnosis.running import Steps, pool
 from steering_diagnosis.steering.clean_gains import largest
 
@@ -70,6 +74,7 @@ def parser() -> argparse.ArgumentParser:
     add("--missing", action="store_true", help="N specimens, each with all channels and without"
         " some: what a missing channel costs")  # fmt: skip
     add("--json", type=Path, metavar="FILE", help="write the numbers here too")
+    add("--quick", action="store_true", help="the smallest size, seconds long")
     add(
         "--page", type=Path, metavar="FILE", help="write the HTML page here (default: in --records)"
     )
@@ -78,7 +83,10 @@ def parser() -> argparse.ArgumentParser:
 
 def main() -> int:
     """Run, print, write."""
-    asked = parser().parse_args()
+    options = parser()
+    if options.parse_known_args()[0].quick:
+        options.set_defaults(**BENCHMARKS["diagnosis"].quick)
+    asked = options.parse_args()
     try:
         for kind in asked.kinds:
             if kind not in KINDS:
@@ -117,8 +125,20 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
             page
         )
         print(f"page: {page}")
-    _write(asked.json, numbers)
-    return 1 if len(failures) == len(judgements) else 0
+    benchmark, values = as_rows(rates(judgements), len(failures))
+    return finish(benchmark, Measured(values, numbers), asked.json, asked.quick)
+
+
+def as_rows(found: list[Rate], failed: int) -> tuple[Benchmark, dict[str, float | None]]:
+    """Return the rates as the rows of this benchmark, and their values."""
+    rows = [Row("failed", "cases that failed", at_most=0.0, digits=0)]
+    values: dict[str, float | None] = {"failed": failed}
+    for rate in found:
+        bound = {"at_least" if rate.at_least else "at_most": rate.target}
+        name = "_".join(re.findall(r"[a-z0-9]+", rate.what))
+        rows.append(Row(name, rate.what, digits=3, **bound))
+        values[name] = rate.value
+    return replace(BENCHMARKS["diagnosis"], rows=tuple(rows)), values
 
 
 def _judged(asked: argparse.Namespace, jobs: list[Job], folder: Path) -> list[Judgement]:

@@ -209,14 +209,9 @@ def test_what_channels_do_not_show_is_not_missed_but_may_not_be_misnamed():
 def test_what_several_known_effects_imitate_counts_nowhere():
     """A bending rack, through few channels, is a heavier one with some friction."""
     door = {"kind": "bag", "lacking": ["speeds"], "ways": []}
-    sealed = replace(
-        Sealed("outside-1", "outside", 1, "open_centre", "steps", "bicycle"),
-        sizes={"rack_bending": 11.0},
-        mistaken={"rack_bending": []},
-        ratios={"rack_bending": 46.0},
-        door=door,
-        unseen=["rack_bending"],
-    )
+    sealed = Sealed("outside-1", "outside", 1, "open_centre", "steps", "bicycle",
+        {"rack_bending": 11.0}, mistaken={"rack_bending": []},
+        ratios={"rack_bending": 46.0}, door=door, unseen=["rack_bending"])  # fmt: skip
     said = {"verdict": "named", "causes": [{"effect": "rack_mass"}]}
     assert all(rate.n == 0 for rate in rates([judge(said, sealed)]))
     assert all(row.wrong == 0 for row in by_door([judge(said, sealed)]))

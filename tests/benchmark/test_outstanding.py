@@ -5,6 +5,7 @@ import pytest
 
 from steering_diagnosis.benchmark.visibility import COLUMNS, Sensitivity
 
+CHANNELS = len(COLUMNS)
 ROWS = 400
 RANDOM = np.random.default_rng(1)
 SIDE = RANDOM.standard_normal(len(COLUMNS) * ROWS)

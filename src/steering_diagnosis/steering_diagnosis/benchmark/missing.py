@@ -79,23 +79,22 @@ def costs(judgements: Iterable[Judgement]) -> list[Cost]:
             by_specimen.setdefault(judgement.case.partition(".")[0], []).append(judgement)
     pairs: dict[str, list[tuple[Judgement, Judgement]]] = {}
     for found in by_specimen.values():
-        whole = [j for j in found if not j.door["lacking"]]
-        for judgement in found if whole else ():
-            for name in _sets_of(judgement):
-                pairs.setdefault(name, []).append((whole[0], judgement))
+        whole = next((j for j in found if not j.door["lacking"]), None)
+        if whole is None:
+            continue
+        for judgement in found:
+            for name in _sets_of(judgement, whole):
+                pairs.setdefault(name, []).append((whole, judgement))
     return [_cost(name, pairs[name]) for name in SETS if name in pairs]
 
 
-def _sets_of(judgement: Judgement) -> list[str]:
-    """Return the sets of channels that a judgement stands for; without any lack it is one alone."""
+def _sets_of(judgement: Judgement, whole: Judgement) -> list[str]:
+    """Return the sets of channels that a judgement stands for; all are in one set alone."""
     lacking = tuple(judgement.door["lacking"])
-    systems = ("open_centre", "closed_centre")
-    return [
-        name
-        for name, groups in SETS.items()
-        if lacking in [lacking_in(system, groups) for system in systems]
-        and bool(lacking) == bool(groups)
-    ]
+    if judgement is whole:
+        return ["all channels"]
+    less = {name: (g, tuple(x for x in g if x != "valve_commands")) for name, g in SETS.items()}
+    return [name for name, same in less.items() if lacking in same and lacking]
 
 
 def _cost(what: str, pairs: Sequence[tuple[Judgement, Judgement]]) -> Cost:

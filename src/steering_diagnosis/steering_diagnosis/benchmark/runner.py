@@ -122,8 +122,12 @@ def run_jobs(
 def _results(
     jobs: Sequence[Job], method: str, folder: Path, executor: Executor | None
 ) -> Iterable[list[Judgement]]:
-    """Return the judgements; the doors of one specimen follow each other in one process."""
+    """Return the judgements; the doors of one specimen follow each other in one process.
+
+    Kinds and effects come mixed, so that a run that is broken off is a sample of the whole.
+    """
     specimens = [list(group) for _, group in groupby(jobs, lambda job: job.name)]
+    specimens.sort(key=lambda group: hashlib.sha256(group[0].name.encode()).digest())
     if executor is None:
         yield from (_solve_all(group, method, folder) for group in specimens)
         return

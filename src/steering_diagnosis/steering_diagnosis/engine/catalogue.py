@@ -94,9 +94,8 @@ class Catalogue:
         for name, value in values.items():
             nuisance = self.nuisance_of(name)
             parameters = self.hypotheses[name].parameters
-            given = {
-                p.name: _within(v, p.low, p.high) for p, v in zip(parameters, value, strict=True)
-            }
+            inside = [_within(v, p.low, p.high) for p, v in zip(parameters, value, strict=True)]
+            given = {p.name: v - p.turned(v) for p, v in zip(parameters, inside, strict=True)}
             if nuisance is None:
                 effects[name] = given
             else:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from steering_diagnosis.engine.catalogue import FURTHEST
+from steering_diagnosis.engine.equations import bounded
 from steering_diagnosis.engine.findings import Region
-from steering_diagnosis.engine.fit import Fit, bounded, normal_equations
+from steering_diagnosis.engine.fit import Fit, normal_equations
 from steering_diagnosis.engine.noise import mean_square
 from steering_diagnosis.engine.screen import NEAR, active_columns
 from steering_diagnosis.engine.search import Search

@@ -12,12 +12,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from steering_diagnosis.engine.catalogue import Catalogue, Values, bounds, room_for, scales
+from steering_diagnosis.engine.equations import ROUNDED, bounded, gram_of
 from steering_diagnosis.engine.evaluate import Call, Evaluator, Failed
 from steering_diagnosis.engine.failures import NUMERICAL, CandidateError
-from steering_diagnosis.engine.kernels.gram import gram as gram_kernel
 from steering_diagnosis.engine.noise import Noise, fit_noise, usable
 from steering_diagnosis.engine.settings import Settings
 from steering_diagnosis.engine.templates import Template, secants
@@ -32,8 +31,6 @@ WHITE_STEPS = 6
 """Steps under white noise at most."""
 SMALL = 0.5
 """Gain in twice the log-likelihood at which the iteration ends."""
-ROUNDED = 1e-12
-"""By how much the bounds of a step are wider than a parameter's, so that they never meet."""
 
 
 @dataclass(frozen=True)
@@ -348,27 +345,6 @@ def normal_equations(
     white = now.noise.whiten(np.concatenate([columns, now.residual[..., None]], axis=-1))
     gram = gram_of(white, problem.weights() ** 2)
     return gram[:-1, :-1].copy(), -gram[:-1, -1], float(gram[-1, -1])
-
-
-def gram_of(columns: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the weighted gram matrix of columns (n, outputs, k); weights: (n, outputs)."""
-    k = columns.shape[-1]
-    lower = np.zeros((k, k))
-    gram_kernel(np.ascontiguousarray(columns).reshape(-1, k), weights.ravel(), lower)
-    return lower + np.tril(lower, -1).T
-
-
-def bounded(gram: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Minimise x' G x - 2 b' x within bounds. CandidateError: they hold what is no number."""
-    if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
-        raise CandidateError("its equations hold what is no number")
-    ridge = 1e-9 * max(float(np.trace(gram)) / max(len(gram), 1), 1e-300)
-    root = np.linalg.cholesky(gram + ridge * np.eye(len(gram)))
-    target = np.linalg.solve(root, slope)
-    free = np.linalg.solve(root.T, target)
-    if np.all(free >= low) and np.all(free <= high):
-        return free
-    return lsq_linear(root.T, target, (low, high), method="bvls").x
 
 
 def _updated(

@@ -39,7 +39,8 @@ class HypothesisParameter:
     """A parameter of a hypothesis, bounds and neutral value as in the effects' registry.
 
     typical: a visible size. shape: it has no meaning at the other parameters' neutral values (a
-    gap, a delay, a Stribeck speed) and must be scanned. unit_step: a step for finite differences.
+    gap, a delay, a Stribeck speed) and must be scanned. turn: values that differ by it are the
+    same, 0: none are; the replay is asked for that within half of it about zero.
     """
 
     name: str
@@ -49,6 +50,11 @@ class HypothesisParameter:
     high: float
     typical: float
     shape: bool = False
+    turn: float = 0.0
+
+    def turned(self, value: float) -> float:
+        """Return by how much a value has to be less to be within half a turn about zero."""
+        return self.turn * round(value / self.turn) if self.turn else 0.0
 
 
 @dataclass(frozen=True)

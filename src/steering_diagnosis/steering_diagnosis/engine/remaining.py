@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
+from steering_diagnosis.engine.equations import ROUNDED, bounded, gram_of
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.findings import Region
-from steering_diagnosis.engine.fit import ROUNDED, Fit, bounded, gram_of
+from steering_diagnosis.engine.fit import Fit
 from steering_diagnosis.engine.model import Hypothesis, Output
 from steering_diagnosis.engine.noise import fit_noise, mean_square, usable
 from steering_diagnosis.engine.search import Search

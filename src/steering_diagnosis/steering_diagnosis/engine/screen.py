@@ -12,8 +12,9 @@ from functools import partial
 import numpy as np
 
 from steering_diagnosis.engine.catalogue import FURTHEST, bounds
+from steering_diagnosis.engine.equations import bounded
 from steering_diagnosis.engine.failures import NUMERICAL
-from steering_diagnosis.engine.fit import Fit, Problem, assess, bounded, normal_equations
+from steering_diagnosis.engine.fit import Fit, Problem, assess, normal_equations
 from steering_diagnosis.engine.noise import mean_square
 from steering_diagnosis.engine.templates import Template
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TypeVar
 
 import numpy as np
 
+from steering_diagnosis.engine.attempts import Attempts
 from steering_diagnosis.engine.evaluate import Call
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
-from steering_diagnosis.engine.failures import NUMERICAL, GivenUpError, reason
+from steering_diagnosis.engine.failures import NUMERICAL, GivenUpError
 from steering_diagnosis.engine.fit import Fit, Problem, misfit, refit, settled
 from steering_diagnosis.engine.noise import Noise, mean_square
 from steering_diagnosis.engine.parsimony import parsimonious
@@ -41,16 +40,10 @@ RESTARTS = 8
 """Searches that are begun anew because the best model could not be judged, at most: from then on
 the nominal model is the answer."""
 
-Made = TypeVar("Made")
-
 
 @dataclass(repr=False)
-class Search:
-    """State of a search over one record: every model fitted on the way is kept by its causes.
-
-    failed: models, by their causes, that could not be evaluated, and why. They are out of the
-    search; nothing else is. ``tried`` and ``judging`` are where that is decided.
-    """
+class Search(Attempts):
+    """State of a search over one record: every model fitted on the way is kept by its causes."""
 
     problem: Problem
     held: HeldOut
@@ -69,38 +62,12 @@ class Search:
         self._first = self.problem
         self._search_in(self._left(self.start), self.start)
 
-    def tried(self, names: frozenset[str], work: Callable[[], Made]) -> Made | None:
-        """Return what some work on a model gives, or None where it fails: it costs this model."""
-        if names in self.failed:
-            return None
-        try:
-            return work()
-        except NUMERICAL as error:
-            self._give_up(names, reason(error))
-            return None
-
-    @contextmanager
-    def judging(self, names: frozenset[str]) -> Iterator[None]:
-        """Say of whatever fails in here that it costs this model: see ``begin_without``."""
-        try:
-            yield
-        except GivenUpError:
-            raise
-        except NUMERICAL as error:
-            raise GivenUpError(names, reason(error)) from error
-
     def begin_without(self, error: GivenUpError) -> None:
         """Begin anew, without a model that was the best and cannot be judged."""
-        self._give_up(error.names, str(error))
+        self.give_up(error.names, str(error))
         self._restarts += 1
         self.problem = self._first
         self._search_in(self._left(self.start), self.start)
-
-    def _give_up(self, names: frozenset[str], why: str) -> None:
-        if not names:
-            raise GivenUpError(names, why)
-        self.failed.setdefault(names, why)
-        self.fits.pop(names, None)
 
     @property
     def null(self) -> Fit:

@@ -179,7 +179,11 @@ def free_form(remains: Remains, structure: Structure) -> FreeForm | None:
 def _predictable(
     remains: Remains, functions: Mapping[str, tuple[np.ndarray, np.ndarray]], j: int
 ) -> Structure | None:
-    """Find what smooth functions of the states predict: of one, then of the best together."""
+    """Find what smooth functions of the states predict: of one, then of the best together.
+
+    It has to be large against what the inputs' noise does: the replay's own states carry that, and
+    predict it.
+    """
     before = _mean_square(remains, remains.residual[:, j], j)
     if before < (SCATTER * remains.floor[j]) ** 2 or not functions:
         return None
@@ -194,7 +198,8 @@ def _predictable(
     parts += [product(functions[a][0], functions[b][0]) for a, b in combinations(best, 2)]
     part, sigmas = _cross_validated(remains, np.concatenate(parts, axis=1), j)
     after = _mean_square(remains, remains.residual[:, j] - part, j)
-    if sigmas < SIGMAS or before - after < _least(remains, after, j):
+    handed_on = INPUTS_NOISE * _mean_square(remains, remains.shaken[:, j], j)
+    if sigmas < SIGMAS or before - after < max(_least(remains, after, j), handed_on):
         return None
     return Structure(j, before - after, after, part, "predictable", "")
 

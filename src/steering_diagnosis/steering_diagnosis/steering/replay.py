@@ -12,13 +12,14 @@ import numpy as np
 
 from steering_core.errors import BenchError
 from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.engine.failures import NUMERICAL, reason
 from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
 from steering_diagnosis.steering import ripple, suspects
 from steering_diagnosis.steering.drive import RUN_UP, Drive
 from steering_diagnosis.steering.full_model import full_model
 from steering_diagnosis.steering.outputs import Predicted, Run, acting, outputs_of
 from steering_diagnosis.steering.simulation import Simulation
-from steering_diagnosis.steering.smoothing import bridged, spectrum
+from steering_diagnosis.steering.smoothing import bridged, noise_like, spectrum
 
 UNSETTLED = 300
 """Samples at the beginning that are not judged: hidden states are only guessed there."""
@@ -28,7 +29,11 @@ FRICTIONLESS, LONGEST = 6.0, 0.25
 share of a record that is given up for it at most."""
 
 CUT_OFF = 100
-"""Samples at the end that are not judged: smooth inputs have no future there."""
+"""Samples at the end, and before a gap, that are not judged: smooth inputs have no future there."""
+
+BRIDGED = 4
+"""Ticks without an input up to which a straight line is as good as a sample: at 50 rad/s^2 a wheel
+leaves it by 1e-4 rad, half of its sensor's noise."""
 
 SHAKING = (
     "steering_wheel_angle",
@@ -36,6 +41,8 @@ SHAKING = (
     "rack_position",
     "rack_speed",
     "rack_force",
+    "left_pressure",
+    "right_pressure",
 )
 """Channels whose noise shakes the replay, as far as they drive it."""
 
@@ -72,6 +79,8 @@ class SteeringReplay:
         self.judged = np.ones(len(record), dtype=bool)
         self.judged[: settled(self.drive)] = False
         self.judged[-CUT_OFF:] = False
+        for gap in gaps(self.drive):
+            self.judged[max(gap.start - CUT_OFF, 0) : settled(self.drive, gap.stop)] = False
         if record.excluded is not None:
             self.judged &= ~record.excluded
 
@@ -87,22 +96,29 @@ class SteeringReplay:
         if ripple.CHANNEL in self.record:
             error = ripple.supply_error(self.run({}, {}))
             line = ripple.find_line(error[judged])
-        kept = {n: h for n, h in self.hypotheses.items() if n != ripple.EFFECT}
         if line is None:
-            why = "no line stands out of the supply pressure between 25 and 450 Hz"
-            self.undecidable = (*self.undecidable, Undecidable(ripple.EFFECT, why))
-            self.hypotheses = kept
+            self._leave_out(
+                ripple.EFFECT, "no line stands out of the supply pressure between 25 and 450 Hz"
+            )
             return
 
         def answer(amplitude: float, hz: float) -> np.ndarray:
             given = {"amplitude": amplitude, "frequency": hz, "phase": 0.0}
             return ripple.supply_error(self.run({}, {ripple.EFFECT: given}))
 
-        amplitude, phase = ripple.estimate(line, error, answer)
+        try:
+            amplitude, phase = ripple.estimate(line, error, answer)
+        except (*NUMERICAL, BenchError) as failure:
+            self._leave_out(ripple.EFFECT, f"could not be tried: {reason(failure)}")
+            return
         found = ripple.at_line(self.hypotheses[ripple.EFFECT], line, amplitude, phase)
-        self.hypotheses = kept | {ripple.EFFECT: found}
+        self.hypotheses = {**self.hypotheses, ripple.EFFECT: found}
         self._predicted = (*self._predicted, *ripple.shifted(line))
         self.outputs = tuple(p.output for p in self._predicted)
+
+    def _leave_out(self, effect: str, why: str) -> None:
+        self.undecidable = (*self.undecidable, Undecidable(effect, why))
+        self.hypotheses = {n: h for n, h in self.hypotheses.items() if n != effect}
 
     def run(self, nuisances: Mapping[str, float], effects: Effects) -> Run:
         """Return the simulation with the absolute ``nuisances`` and the ``effects`` that are on.
@@ -155,8 +171,7 @@ class SteeringReplay:
         """Return a replay whose inputs have more noise, and that of the outputs, (n, outputs)."""
         random = np.random.default_rng(0)
         added = {
-            name: spectrum(bridged(self.record[name])).noise
-            * random.standard_normal(len(self.record))
+            name: noise_like(bridged(self.record[name]), random)
             for name in SHAKING
             if name in self.record
         }
@@ -189,18 +204,29 @@ class SteeringReplay:
         }
 
 
-def settled(drive: Drive) -> int:
-    """Return the first sample that is judged.
+def settled(drive: Drive, begin: int = 0) -> int:
+    """Return the first sample that is judged after ``begin``, where nothing is known of the states.
 
     Before it hidden states are guessed, and the rack's friction depends on how the rack came there.
     """
     nominal = drive.record.nominal
-    angle = drive.curves["steering_wheel_angle"].values[RUN_UP:]
+    angle = drive.curves["steering_wheel_angle"].values[RUN_UP + begin :]
+    if not len(angle):
+        return begin
     reach = FRICTIONLESS * nominal["mechanics.rack_friction_displacement"]
     moved = np.maximum.accumulate(angle) - np.minimum.accumulate(angle)
     free = np.flatnonzero(moved / nominal["mechanics.gear_ratio"] > reach)
     longest = max(UNSETTLED, int(LONGEST * len(angle)))
-    return int(np.clip(free[0] if len(free) else longest, UNSETTLED, longest))
+    return begin + int(np.clip(free[0] if len(free) else longest, UNSETTLED, longest))
+
+
+def gaps(drive: Drive) -> list[slice]:
+    """Return where an input of the replay is missing for too long to be bridged."""
+    record = drive.record
+    driving = [*drive.inputs(), *(["rack_force"] if drive.load == "cell" else [])]
+    missing = np.any([np.isnan(record[name]) for name in driving], axis=0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], missing.astype(np.int8), [0]])))
+    return [slice(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a > BRIDGED]
 
 
 def bind(record: Record) -> BoundModel:
