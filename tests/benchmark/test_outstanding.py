@@ -8,13 +8,13 @@ from steering_diagnosis.benchmark.visibility import COLUMNS, Sensitivity
 CHANNELS = len(COLUMNS)
 ROWS = 400
 RANDOM = np.random.default_rng(1)
-SIDE = RANDOM.standard_normal(len(COLUMNS) * ROWS)
-RIVAL = RANDOM.standard_normal(len(COLUMNS) * ROWS)
+SIDE = RANDOM.standard_normal(CHANNELS * ROWS)
+RIVAL = RANDOM.standard_normal(CHANNELS * ROWS)
 
 
 def one_channel(channel, size):
     """Return a difference of a root mean square in one channel, (rows,)."""
-    found = np.zeros((len(COLUMNS), ROWS))
+    found = np.zeros((CHANNELS, ROWS))
     found[channel] = size * np.resize([1.0, -1.0], ROWS)
     return found.ravel()
 
