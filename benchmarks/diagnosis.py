@@ -125,7 +125,8 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
             page
         )
         print(f"page: {page}")
-    benchmark, values = as_rows(rates(judgements), len(failures))
+    errors = [j for j in failures if j.kind != NOT_DRAWN]
+    benchmark, values = as_rows(rates(judgements), len(errors))
     return finish(benchmark, Measured(values, numbers), asked.json, asked.quick)
 
 

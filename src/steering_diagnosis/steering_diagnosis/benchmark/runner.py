@@ -150,9 +150,11 @@ def solve(job: Job, method: str, folder: Path) -> Judgement:
         return _kept(kept, _sealed(job, folder))
     try:
         at = prepare(job, folder)
+    except BenchError as error:
+        return Judgement(job.case, NOT_DRAWN, (), NOT_DRAWN, failure=str(error))
     except Exception as error:
-        text = str(error) if isinstance(error, BenchError) else f"{type(error).__name__}: {error}"
-        return Judgement(job.case, NOT_DRAWN, (), NOT_DRAWN, failure=text)
+        text = f"not written: {type(error).__name__}: {error}"
+        return Judgement(job.case, job.kind, (), "failed", failure=text)
     sealed = read_sealed(_sealed(job, folder))
     started = time.perf_counter()
     report: dict[str, Any] = {}
