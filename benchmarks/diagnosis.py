@@ -8,26 +8,39 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 import tempfile
-from dataclasses import asdict
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from steering_bringup.benchmarking.program import Measured, finish
+from steering_bringup.benchmarking.registry import BENCHMARKS
+from steering_bringup.benchmarking.rows import Benchmark, Row
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
+from steering_diagnosis.benchmark import missing
+from steering_diagnosis.benchmark.by_door import HEAD, by_door, cells
 from steering_diagnosis.benchmark.cases import KINDS
+from steering_diagnosis.benchmark.doors.channel_sets import LACKABLE, NONE
+from steering_diagnosis.benchmark.doors.door import DRAWN, draw_door
+from steering_diagnosis.benchmark.doors.door import KINDS as KINDS_OF_DOOR
 from steering_diagnosis.benchmark.methods import NAMED
+from steering_diagnosis.benchmark.missing import costs, without_each
 from steering_diagnosis.benchmark.page import benchmark_page, rate_row
 from steering_diagnosis.benchmark.runner import (
     FULL,
     FULL_OF,
     NOT_DRAWN,
+    Job,
     calibrate,
     plan,
     run_jobs,
 )
-from steering_diagnosis.benchmark.scoring import Judgement, confusion, rates
+from steering_diagnosis.benchmark.scoring import Judgement, Rate, confusion, rates
 from steering_diagnosis.running import Steps, pool
 from steering_diagnosis.steering.clean_gains import largest
 
@@ -54,7 +67,14 @@ def parser() -> argparse.ArgumentParser:
         " over N clean records of seeds that no benchmark uses")  # fmt: skip
     add("--clean-gains", type=Path, metavar="FILE", help="write what N clean records gain by wrong"
         " causes: the engine's own calibration")  # fmt: skip
+    add("--doors", default=DRAWN, metavar="DOOR", help=f"{', '.join((DRAWN, *KINDS_OF_DOOR))}: each"
+        f" case draws its own (default: {DRAWN}), or all come in through one")  # fmt: skip
+    add("--without", nargs="+", metavar="GROUP", help="these channels are not measured, instead of"
+        f" those drawn: {', '.join((NONE, *LACKABLE))}")  # fmt: skip
+    add("--missing", action="store_true", help="N specimens, each with all channels and without"
+        " some: what a missing channel costs")  # fmt: skip
     add("--json", type=Path, metavar="FILE", help="write the numbers here too")
+    add("--quick", action="store_true", help="the smallest size, seconds long")
     add(
         "--page", type=Path, metavar="FILE", help="write the HTML page here (default: in --records)"
     )
@@ -63,7 +83,10 @@ def parser() -> argparse.ArgumentParser:
 
 def main() -> int:
     """Run, print, write."""
-    asked = parser().parse_args()
+    options = parser()
+    if options.parse_known_args()[0].quick:
+        options.set_defaults(**BENCHMARKS["diagnosis"].quick)
+    asked = options.parse_args()
     try:
         for kind in asked.kinds:
             if kind not in KINDS:
@@ -85,7 +108,42 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
     if asked.calibrate:
         return _calibrate(asked, folder)
     cases, least = (FULL, FULL_OF) if asked.full else (asked.cases, None)
-    jobs = plan(cases, asked.seed, asked.kinds, least)
+    doors = partial(draw_door, kind=asked.doors, lacking=asked.without)
+    jobs = plan(cases, asked.seed, asked.kinds, least, doors)
+    if asked.missing:
+        return _missing(asked, _judged(asked, without_each(jobs), folder))
+    judgements = _judged(asked, jobs, folder)
+    numbers = report(asked.method, judgements)
+    for line in rates(judgements):
+        what, value, interval, counted, target = rate_row(line)
+        print(f"{what:48}{value:>8}  [{interval:13}] of {counted:>3}   target {target}")
+    _print_table((HEAD, *(cells(row) for row in by_door(judgements))))
+    failures = _tell_failures(judgements)
+    page = asked.page or (asked.records / "benchmark.html" if asked.records else None)
+    if page is not None:
+        benchmark_page(asked.method, rates(judgements), confusion(judgements), judgements).write(
+            page
+        )
+        print(f"page: {page}")
+    errors = [j for j in failures if j.kind != NOT_DRAWN]
+    benchmark, values = as_rows(rates(judgements), len(errors))
+    return finish(benchmark, Measured(values, numbers), asked.json, asked.quick)
+
+
+def as_rows(found: list[Rate], failed: int) -> tuple[Benchmark, dict[str, float | None]]:
+    """Return the rates as the rows of this benchmark, and their values."""
+    rows = [Row("failed", "cases that failed", at_most=0.0, digits=0)]
+    values: dict[str, float | None] = {"failed": failed}
+    for rate in found:
+        bound = {"at_least" if rate.at_least else "at_most": rate.target}
+        name = "_".join(re.findall(r"[a-z0-9]+", rate.what))
+        rows.append(Row(name, rate.what, digits=3, **bound))
+        values[name] = rate.value
+    return replace(BENCHMARKS["diagnosis"], rows=tuple(rows)), values
+
+
+def _judged(asked: argparse.Namespace, jobs: list[Job], folder: Path) -> list[Judgement]:
+    """Return the judgements of all jobs, with a bar."""
     with Steps("diagnosis") as bar, pool(asked.jobs) as executor:
         count = 0
 
@@ -94,23 +152,32 @@ def _run(asked: argparse.Namespace, folder: Path) -> int:
             count += 1
             bar(count / len(jobs), f"{count} of {len(jobs)}: {judgement.case}")
 
-        judgements = run_jobs(jobs, asked.method, folder, executor, done)
-    numbers = report(asked.method, judgements)
-    for line in rates(judgements):
-        what, value, interval, counted, target = rate_row(line)
-        print(f"{what:48}{value:>8}  [{interval:13}] of {counted:>3}   target {target}")
+        return run_jobs(jobs, asked.method, folder, executor, done)
+
+
+def _missing(asked: argparse.Namespace, judgements: list[Judgement]) -> int:
+    """Tell what each missing channel costs."""
+    found = costs(judgements)
+    _print_table((missing.HEAD, *(missing.cells(cost) for cost in found)))
+    _tell_failures(judgements)
+    lines = [judgement.as_json() for judgement in judgements]
+    _write(asked.json, {"costs": [asdict(cost) for cost in found], "judgements": lines})
+    return 0
+
+
+def _tell_failures(judgements: list[Judgement]) -> list[Judgement]:
     failures = [j for j in judgements if j.failure]
-    for j in failures[:5]:
+    for j in failures:
         what = "" if j.kind == NOT_DRAWN else "the method failed: "
         print(f"{j.case}: {what}{j.failure}")
-    page = asked.page or (asked.records / "benchmark.html" if asked.records else None)
-    if page is not None:
-        benchmark_page(asked.method, rates(judgements), confusion(judgements), judgements).write(
-            page
-        )
-        print(f"page: {page}")
-    _write(asked.json, numbers)
-    return 1 if len(failures) == len(judgements) else 0
+    return failures
+
+
+def _print_table(lines: Sequence[Sequence[str]]) -> None:
+    print()
+    for line in lines:
+        print(f"{line[0]:32}" + "".join(f"{cell:>13}" for cell in line[1:]))
+    print()
 
 
 def report(method: str, judgements: list[Judgement]) -> dict[str, Any]:
@@ -120,6 +187,7 @@ def report(method: str, judgements: list[Judgement]) -> dict[str, Any]:
         "method": method,
         "cases": len(judgements),
         "rates": [asdict(rate) | {"reached": rate.reached} for rate in found],
+        "by_door": [asdict(row) for row in by_door(judgements)],
         "confusion": confusion(judgements),
         "judgements": [judgement.as_json() for judgement in judgements],
     }

@@ -1,6 +1,7 @@
 """Speed, accuracy and memory of the direct runner, and its ratio to scipy's LSODA.
 
-    python benchmarks/direct_speed.py [--duration 20] [--repetitions 5] [--json FILE]
+    steer bench direct_speed
+    steer python benchmarks/direct_speed.py --duration 60 --repetitions 10
 
 The closed-centre on-centre manoeuvre on one core. LSODA integrates the same compiled right-hand
 side under the commands that the run recorded, restarted every tick, over 20 stretches spread over
@@ -17,21 +18,19 @@ controllers, driver and vehicle as well, and LSODA still with the plant alone, s
 from __future__ import annotations
 
 import argparse
-import json
-import platform
 import statistics
-import time
+import sys
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
-import scipy
 from scipy.integrate import LSODA, odeint, solve_ivp
 
+from steering_bringup.benchmarking.program import Measured, main
+from steering_bringup.benchmarking.timing import in_turns, ratio, seconds
 from steering_bringup.cores import build_cores
 from steering_bringup.direct.runner import Cores, DirectTrace, run
 from steering_bringup.scenario_files import load_node_set, load_scenario
@@ -42,13 +41,11 @@ from steering_plant.plant import Plant
 TICK = 1e-3  # s
 BAR = 1e5  # Pa
 CONVERGED_STEPS = 20.0
-STRETCHES, STRETCH = 20, 50  # how many, ticks each
+STRETCH = 50  # ticks
 TIGHT = 1e-3
 LOOSER = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """LSODA's absolute tolerances as multiples of the plant's own."""
 RTOL = 1e-9
-
-TARGETS = {"real_time_factor": 200.0, "pressure_error_bar": 0.01, "ratio_to_lsoda": 40.0}
 
 
 def scenario(duration: float, **parameters: float) -> Scenario:
@@ -63,13 +60,6 @@ def scenario(duration: float, **parameters: float) -> Scenario:
 def fresh(duration: float, **parameters: float) -> Cores:
     """Return cores at rest for the closed-centre system."""
     return build_cores(scenario(duration, **parameters), load_node_set("closed_centre"))
-
-
-def timed(call: Callable, *arguments: Any) -> float:
-    """Return how long ``call`` took [s]."""
-    start = time.perf_counter()
-    call(*arguments)
-    return time.perf_counter() - start
 
 
 @dataclass(frozen=True)
@@ -91,18 +81,19 @@ def stepped(duration: float, inputs: np.ndarray, **parameters: float) -> np.ndar
     return states
 
 
-def recorded(duration: float, trace: DirectTrace) -> Recorded:
-    """Return the way of a converged run."""
+def recorded(duration: float, trace: DirectTrace, stretches: int) -> Recorded:
+    """Return the way of a converged run, with starts of ``stretches`` spread over it."""
     inputs = commands(trace)
     states = stepped(duration, inputs, **{"simulation.inner_steps": CONVERGED_STEPS})
-    starts = np.linspace(0, len(inputs) - STRETCH, STRETCHES).astype(int)
+    starts = np.linspace(0, len(inputs) - STRETCH, stretches).astype(int)
     return Recorded(states, inputs, starts)
 
 
 def commands(trace: DirectTrace) -> np.ndarray:
-    """Return the plant's inputs at every tick, shape (n, 6)."""
+    """Return the plant's inputs at every tick, shape (n, 7); the load cylinder's valve is shut."""
     torque, left, right = trace.driver[:, :1], trace.left_valve[:, 1:], trace.right_valve[:, 1:]
-    return np.ascontiguousarray(np.hstack([torque, left, right, trace.load]))
+    shut = np.zeros((len(torque), 1))
+    return np.ascontiguousarray(np.hstack([torque, left, right, trace.load, shut]))
 
 
 def right_hand_side(plant: Plant) -> Callable[..., np.ndarray]:
@@ -123,10 +114,10 @@ def right_hand_side(plant: Plant) -> Callable[..., np.ndarray]:
 def plant_alone(
     plant: tuple[np.ndarray, ...], plant_step: Callable[..., int], inputs: np.ndarray
 ) -> None:
-    """Step the plant's arrays through the recorded ``inputs``, shape (n, 6)."""
+    """Step the plant's arrays through the recorded ``inputs``, shape (n, 7)."""
     for tick in range(inputs.shape[0]):
         u = inputs[tick]
-        plant_step(*plant, tick, u[0], u[1], u[2], u[3], u[4], u[5])
+        plant_step(*plant, tick, u[0], u[1], u[2], u[3], u[4], u[5], u[6])
 
 
 def by_odeint(slopes: Callable, state: np.ndarray, held: np.ndarray, atol: np.ndarray) -> Any:
@@ -200,102 +191,68 @@ def same_accuracy(
     return max(s["tolerance"] for s in scan if s["error"] <= error or s is scan[0]), scan
 
 
-def measure(duration: float, repetitions: int) -> dict[str, Any]:
+def measure(options: argparse.Namespace) -> Measured:
     """Return all figures."""
-    ticks = round(duration / TICK)
+    duration, ticks = options.duration, round(options.duration / TICK)
     trace = run(fresh(duration), ticks)
     converged = run(fresh(duration, **{"simulation.inner_steps": CONVERGED_STEPS}), ticks)
-    error = worst(trace.pressure[:, :2], converged.pressure[:, :2])
 
-    plant, way = fresh(duration).plant, recorded(duration, converged)
+    plant, way = fresh(duration).plant, recorded(duration, converged, options.stretches)
     slopes = right_hand_side(plant)
     state_error = share(stepped(duration, way.inputs), way.states, way)
     tolerance, scan = same_accuracy(way, plant, state_error, slopes)
-    doors: dict[str, Callable] = {"solve_ivp": by_solve_ivp, "class": by_class, "odeint": by_odeint}
-    direct: list[float] = []
-    alone: list[float] = []
     plant_alone(plant.arrays(), plant.model.plant_step, way.inputs[:1])
-    stiff: dict[str, list[float]] = {name: [] for name in doors}
-    for _ in range(repetitions):
-        cores = fresh(duration)
-        direct.append(timed(run, cores, ticks))
-        moved = fresh(duration).plant
-        alone.append(timed(plant_alone, moved.arrays(), moved.model.plant_step, way.inputs))
-        for name, door in doors.items():
-            stiff[name].append(timed(replayed, door, slopes, plant, tolerance, way))
-    replay = STRETCHES * STRETCH * TICK
-
-    def ratio(slow: list[float], fast: list[float]) -> float:
-        pairs = zip(slow, fast, strict=True)
-        return statistics.median((s / replay) / (f / duration) for s, f in pairs)
-
-    ratios = {name: ratio(times, alone) for name, times in stiff.items()}
+    times = per_tick(duration, way, slopes, plant, tolerance, options.repetitions)
     short, long = peak_memory(duration), peak_memory(5.0 * duration)
-    return {
-        "duration_s": duration,
-        "repetitions": repetitions,
-        "real_time_factor": duration / statistics.median(direct),
-        "real_time_factor_best": duration / min(direct),
-        "pressure_error_bar": error,
+    values = {
+        "ratio_to_lsoda": ratio(times["solve_ivp"], times["plant"]),
+        "whole_loop_to_lsoda": ratio(times["solve_ivp"], times["loop"]),
+        "ratio_to_class": ratio(times["class"], times["plant"]),
+        "ratio_to_odeint": ratio(times["odeint"], times["plant"]),
+        "pressure_error": worst(trace.pressure[:, :2], converged.pressure[:, :2]),
         "state_error": state_error,
-        "ratio_to_lsoda": ratios["solve_ivp"],
-        "ratio_of_whole_loop_to_lsoda": ratio(stiff["solve_ivp"], direct),
-        "ratio_to_lsoda_class": ratios["class"],
-        "ratio_to_lsoda_through_odeint": ratios["odeint"],
-        "lsoda_tolerance": tolerance,
-        "lsoda_scan": scan,
-        "memory_beside_trace_bytes": {"one_length": short, "five_lengths": long},
-        "machine": platform.processor() or platform.machine(),
-        "versions": {"python": platform.python_version(), "scipy": scipy.__version__},
+        "real_time": TICK / statistics.median(times["loop"]),
+        "memory": short / 1e3,
+        "memory_growth": long / short,
     }
+    details = {"lsoda_tolerance": tolerance, "lsoda_scan": scan, "seconds_per_tick": times}
+    return Measured(values, details)
 
 
-def table(figures: dict[str, Any]) -> str:
-    """Return the figures as lines of text."""
-    memory = figures["memory_beside_trace_bytes"]
-    rows = [
-        ("real time, median", f"{figures['real_time_factor']:.0f} x", ">= 200 x"),
-        ("real time, best", f"{figures['real_time_factor_best']:.0f} x", ""),
-        ("chamber pressures' error", f"{figures['pressure_error_bar']:.1e} bar", "<= 0.01 bar"),
-        ("worst state's error / range", f"{figures['state_error']:.1e}", ""),
-        ("faster than solve_ivp LSODA", f"{figures['ratio_to_lsoda']:.0f} x", ">= 40 x"),
-        ("the same, our whole loop", f"{figures['ratio_of_whole_loop_to_lsoda']:.0f} x", ""),
-        ("the bare class", f"{figures['ratio_to_lsoda_class']:.1f} x", ""),
-        ("through odeint", f"{figures['ratio_to_lsoda_through_odeint']:.1f} x", ""),
-        ("memory beside the trace", f"{memory['one_length'] / 1e3:.0f} kB", ""),
-        ("the same, five lengths", f"{memory['five_lengths'] / 1e3:.0f} kB", "flat"),
-    ]
-    lines = [f"{name:28}{value:>14}   {target}" for name, value, target in rows]
-    scan = [
-        f"  LSODA at {s['tolerance']:5g} x the plant's tolerances: {s['error']:.1e}"
-        for s in figures["lsoda_scan"]
-    ]
-    return "\n".join(lines + scan)
+def per_tick(
+    duration: float,
+    way: Recorded,
+    slopes: Callable,
+    plant: Plant,
+    tolerance: float,
+    repetitions: int,
+) -> dict[str, list[float]]:
+    """Return the times of a tick [s]: our whole loop, our plant alone, and LSODA's three doors."""
+    ticks, few = len(way.inputs), len(way.starts) * STRETCH
+
+    def loop() -> float:
+        cores = fresh(duration)
+        return seconds(lambda: run(cores, ticks)) / ticks
+
+    def alone() -> float:
+        moved = fresh(duration).plant
+        arrays, step = moved.arrays(), moved.model.plant_step
+        return seconds(lambda: plant_alone(arrays, step, way.inputs)) / ticks
+
+    def lsoda(door: Callable) -> Callable[[], float]:
+        return lambda: seconds(lambda: replayed(door, slopes, plant, tolerance, way)) / few
+
+    doors = {"solve_ivp": by_solve_ivp, "class": by_class, "odeint": by_odeint}
+    calls = {"loop": loop, "plant": alone, **{name: lsoda(d) for name, d in doors.items()}}
+    return in_turns(calls, repetitions)
 
 
-def reached(figures: dict[str, Any]) -> bool:
-    """Return whether every target is met."""
-    return (
-        figures["real_time_factor"] >= TARGETS["real_time_factor"]
-        and figures["pressure_error_bar"] <= TARGETS["pressure_error_bar"]
-        and figures["ratio_to_lsoda"] >= TARGETS["ratio_to_lsoda"]
-    )
-
-
-def main() -> None:
-    """Measure, print and write."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the size."""
     parser.add_argument("--duration", type=float, default=20.0, help="length of the sweep [s]")
     parser.add_argument("--repetitions", type=int, default=5)
-    parser.add_argument("--json", type=Path, help="write the figures here too")
-    asked = parser.parse_args()
-    figures = measure(asked.duration, asked.repetitions)
-    figures["targets"] = TARGETS
-    figures["reached"] = reached(figures)
-    print(table(figures))
-    if asked.json:
-        asked.json.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    parser.add_argument("--stretches", type=int, default=20, help="of 50 ticks, for LSODA")
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main("direct_speed", measure, arguments, __doc__))

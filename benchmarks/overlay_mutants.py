@@ -1,44 +1,47 @@
 """Every broken source of the torque overlay's arbiter against its tests.
 
-    python benchmarks/overlay_mutants.py [FILE ...] [--json FILE]
+    steer bench overlay_mutants
+    steer python benchmarks/overlay_mutants.py overlay.arbiter
 
-Prints what is not caught; exit status 0 only if that is nothing. Those that nobody can tell from
-the right source are listed, with the reason, in tests/support/overlay_mutants.py.
+Prints what is not caught. Those that nobody can tell from the right source are listed, with the
+reason, in tests/support/overlay_mutants.py.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 from overlay_mutants import EQUIVALENT, MODULES, broken, caught, interpreted
 
+from steering_bringup.benchmarking.program import Measured, main
+from steering_bringup.errors import BenchError
+from steering_core.naming import unknown
 
-def main() -> int:
+
+def measure(options: argparse.Namespace) -> Measured:
     """Try all of them, file by file."""
-    parser = argparse.ArgumentParser(description="Every broken source of the overlay's arbiter.")
-    parser.add_argument("files", metavar="FILE", nargs="*", help=f"of {', '.join(MODULES)}")
-    parser.add_argument("--json", metavar="FILE", type=Path)
-    options = parser.parse_args()
+    for name in options.files:
+        if name not in MODULES:
+            raise BenchError(unknown("file", name, MODULES))
     with interpreted(None, "") as modules:
         if caught(modules):
-            sys.exit("the source as it is does not pass its own tests")
-    began = time.monotonic()
+            raise BenchError("the source as it is does not pass its own tests")
     numbers = {}
     for module in options.files or MODULES:
-        tried = [entry for entry in broken(module) if (module, entry[0]) not in EQUIVALENT]
+        found = [entry for entry in broken(module) if (module, entry[0]) not in EQUIVALENT]
+        tried = found[:: options.every]
         alive = [what for what, text in tried if not _is_caught(module, text)]
-        numbers[module] = {"tried": len(tried), "caught": len(tried) - len(alive), "alive": alive}
+        numbers[module] = {"tried": len(tried), "alive": alive}
         print(f"{module:18}{len(tried) - len(alive):5} of {len(tried)} caught", *alive, sep="\n  ")
-    if options.json:
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
-    print(f"{time.monotonic() - began:.0f} s; {len(EQUIVALENT)} more are equivalent to the source")
-    return 1 if any(n["alive"] for n in numbers.values()) else 0
+    values = {
+        "alive": sum(len(n["alive"]) for n in numbers.values()),
+        "tried": sum(n["tried"] for n in numbers.values()),
+    }
+    return Measured(values, numbers)
 
 
 def _is_caught(module: str, text: str) -> bool:
@@ -46,5 +49,11 @@ def _is_caught(module: str, text: str) -> bool:
         return caught(modules)
 
 
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is tried."""
+    parser.add_argument("files", metavar="FILE", nargs="*", help=f"of {', '.join(MODULES)}")
+    parser.add_argument("--every", metavar="N", type=int, default=1, help="each N-th of a file")
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("overlay_mutants", measure, arguments, __doc__))

@@ -1,10 +1,10 @@
 """A run recorded at 1 kHz in real time while a bag is played to a subscriber: what gets lost?
 
-    python benchmarks/record_while_playing.py --seconds 600 --json record_while_playing.json
+    steer bench record_while_playing                              20 s
+    steer python benchmarks/record_while_playing.py --seconds 600
 
 Every message is counted by its tick: those of the run in the bag that was recorded, those of the
-playback at a subscriber. Target: nothing is missing, over 600 s; without an option the run is 20 s
-long. 600 s need 0.6 GB on the disk.
+playback at a subscriber. 600 s need 0.6 GB on the disk.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ from typing import Any
 import numpy as np
 
 from steering_bringup.bags import read_bag
+from steering_bringup.benchmarking.program import Measured, main
+from steering_bringup.errors import BenchError
 from steering_lockstep.domain import claim_domain
 from steering_lockstep.topics import TABLE
 
@@ -32,7 +34,7 @@ PLAYED_SECONDS = 10
 HEARD = ("/steering/torque", "/driver/torque", "/vehicle/rack_force")
 
 
-def measure(seconds: float, folder: Path) -> dict[str, Any]:
+def played_and_recorded(seconds: float, folder: Path) -> dict[str, Any]:
     """Play, listen and record for ``seconds``; return counts and delays."""
     _steer(*RUN, "--direct", "--duration", str(PLAYED_SECONDS), "--out", str(folder / "played"))
     claim = claim_domain()
@@ -61,13 +63,13 @@ def measure(seconds: float, folder: Path) -> dict[str, Any]:
         "seconds": seconds,
         "recorded": _recorded(folder, round(seconds * 1000)),
         "played": {"listener": heard, **_summary(folder / "played.json")},
-        "target_lost": 0,
-        "load_average": os.getloadavg()[0],
     }
 
 
 def _steer(*words: str) -> None:
-    subprocess.run([*STEER, *words], check=True, stdout=subprocess.DEVNULL)
+    status = subprocess.call([*STEER, *words], stdout=subprocess.DEVNULL)
+    if status:
+        raise BenchError(f"steer {words[0]} ended with status {status}")
 
 
 def _end(player: subprocess.Popen[Any], listener: subprocess.Popen[str]) -> Any:
@@ -105,39 +107,37 @@ def _summary(file: Path) -> dict[str, Any]:
 
 
 def show(result: dict[str, Any]) -> None:
-    """Print the counts and delays."""
-    recorded, played = result["recorded"], result["played"]
-    latency, late = recorded["latency"], played["lateness"]
-    missing = sum(recorded["missing"].values())
-    heard = played["listener"].values()
-    received, lost = (sum(topic[name] for topic in heard) for name in ("received", "lost"))
-    print(f"recorded  {recorded['messages']} messages in {result['seconds']:g} s, {missing} lost")
-    print(f"  latency {_times(latency)}, {latency['overruns']} of {latency['ticks']} ticks late")
-    print(f"played    {played['messages']} messages; subscriber: {received}, {lost} lost")
-    print(f"  late    {_times(late)}")
-    print(f"lost      {result['lost']} (target 0)", flush=True)
+    """Print the delays."""
+    latency, late = result["recorded"]["latency"], result["played"]["lateness"]
+    print(f"recorded: {_times(latency)}, {latency['overruns']} of {latency['ticks']} ticks late")
+    print(f"played:   late by {_times(late)}")
 
 
 def _times(values: dict[str, float]) -> str:
     return ", ".join(f"{name} {1e3 * values[name]:.2f} ms" for name in ("p50", "p99", "max"))
 
 
-def main() -> int:
-    """Measure; status 0 if nothing was lost."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
-    parser.add_argument("--seconds", type=float, default=20.0, help="(default: 20)")
-    options = parser.parse_args()
+def measure(options: argparse.Namespace) -> Measured:
+    """Play, record and count; BenchError where nothing was heard."""
     with tempfile.TemporaryDirectory() as folder:
-        result = measure(options.seconds, Path(folder))
-    heard = result["played"]["listener"]
-    result["lost"] = sum(result["recorded"]["missing"].values())
-    result["lost"] += sum(topic["lost"] for topic in heard.values())
+        result = played_and_recorded(options.seconds, Path(folder))
+    heard = result["played"]["listener"].values()
+    if not heard:
+        raise BenchError("the subscriber of the playback did not answer")
     show(result)
-    if options.json:
-        options.json.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-    return 0 if heard and not result["lost"] else 1
+    missing = sum(result["recorded"]["missing"].values())
+    values = {
+        "lost": missing + sum(topic["lost"] for topic in heard),
+        "recorded": result["recorded"]["messages"],
+        "heard": sum(topic["received"] for topic in heard),
+    }
+    return Measured(values, result)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the size."""
+    parser.add_argument("--seconds", type=float, default=20.0, help="(default: 20)")
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main("record_while_playing", measure, arguments, __doc__))

@@ -1,11 +1,15 @@
 """Bags that other tools wrote, and types that this software does not know."""
 
+from typing import Any
+
 import numpy as np
 import pytest
+import yaml
+from foreign_bags import FLOAT, numbers, profile, write_mcap
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from steering_bringup.bags import BagError, read_bag
+from steering_bringup.bags import BagError, read_bag, repair
 from steering_bringup.bags.encode import encode
 
 GAUGE = "std_msgs/Header header\nfloat32[3] strain\nint16 count\nbool fine\n"
@@ -49,6 +53,26 @@ def test_a_broken_database_is_named(tmp_path):
     (folder / "broken_0.db3").write_bytes(b"no database")
     with pytest.raises(BagError, match="broken"):
         read_bag(folder)
+
+
+@pytest.mark.parametrize("kind", ["kept", "typeless", "two channels"])
+def test_reading_another_recorder_s_file_leaves_it_as_it_is(kind, tmp_path):
+    """What its channels tell of publishers, and channels of their own, would be lost."""
+    told = ("cdr", {"offered_qos_profiles": yaml.safe_dump([profile()])})
+    channels: dict[str, list[tuple[Any, ...]]] = {
+        "kept": [("/a", FLOAT, numbers(), told)],
+        "typeless": [("/a", FLOAT, numbers()), ("/b", None, numbers())],
+        "two channels": [("/a", FLOAT, numbers()[:10]), ("/a", FLOAT, numbers()[10:])],
+    }
+    file = write_mcap(tmp_path / "rig" / "rig_0.mcap", channels[kind], "")
+    before = file.read_bytes()
+    assert len(read_bag(file.parent)["/a"]) == 20
+    assert [f.name for f in file.parent.iterdir()] == ["rig_0.mcap"]
+    assert file.read_bytes() == before
+    if kind == "typeless":
+        with pytest.raises(BagError, match="/b has no type"):
+            repair(file.parent)
+        assert file.read_bytes() == before
 
 
 def test_encoding_agrees_with_the_lock_steps_own_layout():

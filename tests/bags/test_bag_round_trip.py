@@ -8,7 +8,7 @@ import pytest
 import yaml
 from rosbags.highlevel import AnyReader
 
-from steering_bringup.bags import BagError, BagWriter, first_difference, read_bag
+from steering_bringup.bags import BagError, BagWriter, first_difference, note_in_bag, read_bag
 from steering_bringup.bags.definitions import definition
 from steering_bringup.bags.encode import encode
 
@@ -44,6 +44,41 @@ def test_chunks_and_compression_change_nothing(make_bag, options):
     plain = read_bag(make_bag("plain"))
     other = read_bag(make_bag("other", **options))
     assert first_difference(plain, other) is None
+
+
+def test_a_bag_says_which_distribution_its_messages_are_of(make_bag):
+    """In metadata.yaml, and in the copy of it that the file carries."""
+    path = make_bag()
+    information = yaml.safe_load((path / "metadata.yaml").read_text())
+    assert information["rosbag2_bagfile_information"]["ros_distro"] == "jazzy"
+    assert b"ros_distro: jazzy" in (path / "run.mcap").read_bytes()
+    assert [f.name for f in sorted(path.iterdir())] == ["metadata.yaml", "run.mcap", "run.yaml"]
+
+
+def test_the_same_ticks_compress_to_the_same_bytes(make_bag, random_ticks, topics, tmp_path):
+    stamps, payloads = random_ticks(500)
+    files = []
+    for name in ("a", "b"):
+        with BagWriter(tmp_path / name / "run", topics, compress=True) as writer:
+            writer.write_block(stamps, payloads)
+        files.append((tmp_path / name / "run" / "run.mcap").read_bytes())
+    assert files[0] == files[1]
+    plain = tmp_path / "plain"
+    with BagWriter(plain, topics) as writer:
+        writer.write_block(stamps, payloads)
+    assert len(files[0]) < len((plain / "plain.mcap").read_bytes())
+
+
+def test_a_run_that_was_broken_off_says_so(tmp_path, topics, random_ticks):
+    stamps, payloads = random_ticks(40)
+    with BagWriter(tmp_path / "run", topics) as writer:
+        writer.write_block(stamps, payloads)
+        writer.broken_off(40, 5000)
+    trace = read_bag(tmp_path / "run")
+    assert trace.complete
+    assert "the run was broken off after 40 of 5000 ticks" in trace.notes
+    note_in_bag(tmp_path / "run", {"broken_off": "SIGINT"})
+    assert "broken off after 40 of 5000 ticks: SIGINT" in " ".join(read_bag(tmp_path / "run").notes)
 
 
 def test_blocks_equal_single_messages(make_bag, tmp_path, random_ticks, topics):

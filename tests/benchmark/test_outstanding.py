@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from steering_diagnosis.benchmark.visibility import CHANNELS, Sensitivity
+from steering_diagnosis.benchmark.visibility import COLUMNS, Sensitivity
 
+CHANNELS = len(COLUMNS)
 ROWS = 400
 RANDOM = np.random.default_rng(1)
 SIDE = RANDOM.standard_normal(CHANNELS * ROWS)

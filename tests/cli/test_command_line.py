@@ -64,7 +64,7 @@ def test_the_list_is_there_in_well_under_a_second():
             "unknown option '--procesess'; did you mean '--processes'?",
         ),
         (["list", "scenario"], "unknown list 'scenario'; did you mean 'scenarios'?"),
-        (["compare", "only_one"], "BAG"),
+        (["compare", "only_one"], "DATA"),
     ],
 )
 def test_a_slip_in_the_command_is_status_2_and_one_line(words, expected, capsys):

@@ -14,14 +14,16 @@ OWN = 0.02
 """Mean square of the output's own noise."""
 
 
-def found(residual, shaken=0.0, own=OWN):
-    """Return the kinds of structure in a residual beside an unrelated state."""
+def found(residual, shaken=0.0, own=OWN, state=None):
+    """Return the kinds of structure in a residual beside a state, unrelated unless given."""
+    if state is None:
+        state = np.sin(2.0 * np.pi * 0.31 * TIME) * moving()
     remains = Remains(
         (Output("pressure", "Pa", "left chamber"),),
         residual[:, None],
         np.ones((SAMPLES, 1), bool),
         np.arange(SAMPLES) * BLOCKS // SAMPLES,
-        {"angle [rad]": np.sin(2.0 * np.pi * 0.31 * TIME) * moving()},
+        {"rack position [m]": state},
         np.array([1e-3]),
         8,
         1.0,
@@ -60,3 +62,12 @@ def test_what_the_inputs_noise_does_while_the_gear_moves_comes_and_goes_by_right
     draws = 1.5 * moving() * random.standard_normal((2, SAMPLES))
     assert found(white + draws[0], shaken=draws[1]) == []
     assert found(white + draws[0]) == ["bursts"]
+
+
+def test_the_replay_s_own_states_predict_what_the_inputs_noise_does():
+    """A rack that rings with its load cell's noise: the state has the ringing, measured or not."""
+    random = np.random.default_rng(4)
+    white = np.sqrt(OWN) * random.standard_normal(SAMPLES)
+    ringing = 0.25 * (slow(5) + 0.3 * random.standard_normal(SAMPLES))
+    assert found(white + ringing, state=ringing) == ["predictable"]
+    assert found(white + ringing, shaken=0.25 * slow(6), state=ringing) == []

@@ -8,7 +8,7 @@ import numpy as np
 
 from steering_diagnosis.engine.catalogue import catalogue
 from steering_diagnosis.engine.diagnose import begin
-from steering_diagnosis.engine.evaluate import Call, Evaluator
+from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.model import Hypothesis, HypothesisParameter, Nuisance, Output
 from steering_diagnosis.engine.sampling import sampling
 from steering_diagnosis.engine.settings import Settings
@@ -49,12 +49,9 @@ def test_a_stop_far_from_the_nominal_one_is_seen():
     settings = Settings()
     runs = Evaluator(replay, sampling(2000, 1e-3, settings))
     book = catalogue(replay)
-    base = runs.one(Call())
-    trials = [
-        t
-        for t in templates(runs, book, base, np.zeros((*base.shape, 1)), settings.shape_grid)
-        if t.hypothesis == "stop"
-    ]
+    base = runs.base
+    found, _ = templates(runs, book, base, np.zeros((*base.shape, 1)), settings.shape_grid)
+    trials = [t for t in found if t.hypothesis == "stop"]
     steps = sorted(t.unit[0] for t in trials)
     assert np.allclose(steps, [0.004, 0.01, 0.025, *(0.01 * f for f in FAR)])
     moved = [t.unit[0] for t in trials if np.abs(t.columns).max() > 1e-4]

@@ -10,9 +10,9 @@ from rosbags.typesys import Stores, get_typestore
 
 from steering_bringup.bags import BagError, BagWriter
 from steering_bringup.bags.encode import encode
+from steering_bringup.bags.sources import open_bag as open_source
 from steering_bringup.errors import BenchError
 from steering_bringup.playback.choice import chosen_topics, parse_remaps
-from steering_bringup.playback.source import open_source
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 TEXT = "std_msgs/msg/String"

@@ -50,10 +50,10 @@ def test_a_node_elsewhere_makes_the_same_bytes(tmp_path, domain):
 
 
 def test_a_run_names_the_node_that_does_not_come(tmp_path, domain):
-    run, _ = started(tmp_path, domain, "--wait", "2")
+    run, _ = started(tmp_path, domain, "--wait", "12")
     status, _, err = run.finish()
     assert status == 1
-    assert "not ready after 2 s" in err
+    assert "not ready after 12 s" in err
     assert "/torque_overlay/lane_keeper: no publisher" in err
 
 

@@ -12,10 +12,13 @@ import sys
 import termios
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from bench_process import Bench, wait_for
+from foreign_bags import FLOAT, STEP, T0, TEXT, numbers, profile, text, write_mcap
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -23,7 +26,12 @@ from steering_bringup.bags import BagWriter, read_bag
 from steering_bringup.bags.encode import encode
 from steering_lockstep.domain import claim_domain
 
-pytest.importorskip("rclpy")
+rclpy = pytest.importorskip("rclpy")
+from rclpy.context import Context  # noqa: E402
+from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: E402
+from std_msgs.msg import String  # noqa: E402
+
 pytestmark = pytest.mark.ros
 
 LISTENER = Path(__file__).parents[1] / "support" / "topic_listener.py"
@@ -138,8 +146,8 @@ def foreign(folder):
     """A bag of another tool: a standard type, one that is not installed, and one that differs."""
     store = get_typestore(Stores.ROS2_JAZZY)
     other = {"rig_msgs/msg/Gauge": "float32 strain\n", TOPICS["/driver/torque"][0]: "int8 gear\n"}
-    for name, text in other.items():
-        store.register(get_types_from_msg(text, name))
+    for name, definition in other.items():
+        store.register(get_types_from_msg(definition, name))
     topics = {"/text": "std_msgs/msg/String", "/gauge": "rig_msgs/msg/Gauge"}
     topics["/driver/torque"] = TOPICS["/driver/torque"][0]
     with Writer(folder / "rig", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
@@ -161,6 +169,87 @@ def test_what_is_not_installed_is_said_and_left_out(domain, tmp_path):
     ]
     assert "/gauge: its type rig_msgs/msg/Gauge is not installed" in out
     assert "/driver/torque: the bag's steering_msgs/msg/DriverTorque has other fields" in out
+
+
+def test_every_installed_type_is_that_of_a_bag():
+    """Also those with char, which other tools hash as another type; another field is told."""
+    from steering_bringup.bags.sources import TopicInfo
+    from steering_bringup.playback.installed import NotPlayable, message_class
+
+    store, seen = get_typestore(Stores.ROS2_JAZZY), 0
+    packages = ("std_msgs", "sensor_msgs", "geometry_msgs", "nav_msgs", "visualization_msgs")
+    for name in store.fielddefs:
+        if name.startswith(packages):
+            text, digest = store.generate_msgdef(name, ros_version=2)[0], store.hash_rihs01(name)
+            made = message_class(TopicInfo("/a", name, 1, "cdr", text, digest))
+            assert made.__name__ == name.rpartition("/")[2]
+            seen += 1
+    assert seen > 80
+    assert message_class(TopicInfo("/a", "std_srvs/srv/SetBool_Event", 1)) is not None
+    odd = [("std_msgs/msg/Char", "int8 data\n", "'data' is int8 there, uint8 here")]
+    odd += [("", "", "no schema"), ("std_msgs/msg/Chart", "", "not installed"), ("x", "", "not in")]
+    for name, text, why in odd:
+        with pytest.raises(NotPlayable, match=why):
+            message_class(TopicInfo("/a", name, 1, "cdr", text))
+
+
+def test_what_cannot_be_played_costs_no_other(domain, tmp_path):
+    char = ("std_msgs/msg/Char", "ros2msg", "char data # one\n")
+    channels: list[tuple[Any, ...]] = [
+        ("/good", FLOAT, numbers()),
+        ("/good", TEXT, [(T0, b"\0\1\0\0\1\0\0\0\0")]),
+        ("/usb-cam/torque", FLOAT, numbers()),
+        ("/lidar/192_168", FLOAT, numbers()),
+        ("no_slash", FLOAT, numbers()),
+        ("/bare", None, numbers()),
+        ("/json", ("x", "jsonschema", "{}"), numbers(), ("json", {})),
+        ("/letter", char, [(T0, b"\0\1\0\0a")]),
+    ]
+    bag = write_mcap(tmp_path / "rig.mcap", channels)
+    listener = Listener(tmp_path, domain, 20, {"/good": FLOAT[0], "/letter": char[0]})
+    rename = ("--remap", "/lidar/192_168:=/lidar/range")
+    waits = ("--wait-for", "/good", "--wait-for", "/letter", "--json", tmp_path / "played.json")
+    out = play(tmp_path, domain, bag, *waits, *rename)
+    heard = listener.heard()
+    assert seen(heard, "/good") == [data for _, data in numbers()]
+    assert [data[4:5] for data in seen(heard, "/letter")] == [b"a"]
+    assert "/usb-cam/torque: no legal topic name: rename it" in out
+    assert "'/usb-cam/torque:=/usb_cam/torque' (20 messages)" in out
+    assert "/bare: the bag does not tell its type, it has no schema (20 messages)" in out
+    assert "/json: its messages are encoded as 'json', not as cdr (20 messages)" in out
+    assert f"cdr): /good is played as {FLOAT[0]} (1 messages)" in out
+    counts = json.loads((tmp_path / "played.json").read_text())["counts"]
+    assert counts == {"/good": 20, "/lidar/192_168": 20, "no_slash": 20, "/letter": 1}
+
+
+def test_late_subscribers_get_what_was_kept_before_from(domain, tmp_path):
+    """The crash took metadata.yaml; the file itself tells that the topic is transient local."""
+    told = {"offered_qos_profiles": yaml.safe_dump([profile()])}
+    words = [(T0, text("old")), (T0 + STEP, text("new"))]
+    channels = [("/rig", TEXT, words, ("cdr", told)), ("/good", FLOAT, numbers(400))]
+    bag = write_mcap(tmp_path / "rig.mcap", channels)
+    bench = Bench("play", str(bag), "--from", "1", "--domain", domain, folder=tmp_path)
+    context = Context()
+    rclpy.init(context=context, domain_id=int(domain))
+    node, heard = rclpy.create_node("late", context=context), []
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    try:
+        wait_for(lambda: node.count_publishers("/rig"))
+        time.sleep(1.0)  # what comes first has been published
+        qos = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        node.create_subscription(String, "/rig", lambda message: heard.append(message.data), qos)
+        deadline = time.monotonic() + 20.0
+        while not heard and time.monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.1)
+    finally:
+        bench.process.send_signal(signal.SIGINT)
+        _, out, _ = bench.finish()
+        executor.shutdown()
+        node.destroy_node()
+        context.try_shutdown()
+    assert heard == ["new"]
+    assert "1 kept messages from before --from come first" in out
 
 
 def test_a_cut_off_bag_plays_what_is_there(bag, domain, tmp_path):

@@ -1,6 +1,7 @@
 """Whatever happens in mid-run: the culprit is named, the bag is readable, nothing is left."""
 
 import os
+import re
 import resource
 import shutil
 import signal
@@ -101,9 +102,11 @@ def test_a_signal_ends_the_run_in_order(running, number, expected, tmp_path):
     bench = running()
     os.killpg(bench.process.pid, number)
     began = time.monotonic()
-    status, _, err = bench.finish()
+    status, said, err = bench.finish()
     assert status == expected, err
     assert time.monotonic() - began < 5.0
+    assert re.search(r"broken off after \d+ of \d+ ticks: .*" + number.name, said), said
+    assert "in 0.0000 s" not in said
     assert f"stopped by {number.name}" in err
     assert str(BAG) in err
     assert "Traceback" not in err

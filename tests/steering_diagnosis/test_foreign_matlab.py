@@ -78,12 +78,27 @@ def save5(path, variables):
 def _array(value):
     if isinstance(value, dict):
         return {name: _array(item) for name, item in value.items()}
-    if isinstance(value, list) and isinstance(value[0], dict):
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        return cell(*(_array(item) for item in value.flat))
+    if isinstance(value, list):
         rows = [tuple(_array(item) for item in member.values()) for member in value]
         array = np.empty((1, len(rows)), [(name, object) for name in value[0]])
         array[0, :] = rows
         return array
     return value
+
+
+def save_by_matio(path, variables):
+    """Write version 7.3 as another library does."""
+    content = {name: _array(value) for name, value in variables.items()}
+    with warnings.catch_warnings(action="ignore"):
+        matio.save_to_mat(path, content, version="v7.3")
+
+
+def cell(*values):
+    made = np.empty((1, len(values)), object)
+    made[0, :] = values
+    return made
 
 
 VARIABLES = {"t": TIME, "angle": ANGLE, "pL": PRESSURE}
@@ -127,7 +142,7 @@ def dataset(*signals):
     return MatlabOpaque(properties, "Simulink.SimulationData.Dataset")
 
 
-@pytest.mark.parametrize("version", ["4", "5", "compressed", "7.3", "matio", "plain"])
+@pytest.mark.parametrize("version", ["4", "5", "compressed", "7.3", "matio", "plain", "block"])
 def test_every_version_is_read(tmp_path, version):
     path = tmp_path / "x.mat"
     if version in ("4", "5", "compressed"):
@@ -139,7 +154,7 @@ def test_every_version_is_read(tmp_path, version):
     elif version == "matio":
         matio.save_to_mat(path, VARIABLES, version="v7.3")
     else:
-        with h5py.File(path, "w") as file:
+        with h5py.File(path, "w", userblock_size=0 if version == "plain" else 512) as file:
             for name, array in VARIABLES.items():
                 file["run/" + name] = array
         is_right(path, angle="run.angle", pressure="run.pL", time="time: run.t\n")
@@ -172,8 +187,7 @@ def test_a_column_of_a_matrix_and_a_row_of_simulinks_to_file_block(tmp_path, wri
 
 def test_cells_and_single_numbers_in_an_array_of_structures(tmp_path):
     path = tmp_path / "x.mat"
-    cells = np.empty(2, object)
-    cells[:] = [ANGLE, PRESSURE]
+    cells = cell(ANGLE, PRESSURE)
     ticks = np.array([(t, a) for t, a in zip(TIME, ANGLE, strict=True)], "O,O")
     ticks.dtype.names = ("t", "angle")
     savemat(path, {"c": cells, "log": ticks, "t": TIME})
@@ -434,6 +448,8 @@ def grown(tree, address, found):
         return found[address]
     if isinstance(tree, dict):
         return {name: grown(inner, f"{address}.{name}", found) for name, inner in tree.items()}
+    if isinstance(tree, list):
+        return cell(*(grown(inner, f"{address}{{{k}}}", found) for k, inner in enumerate(tree, 1)))
     field, members = tree
     return [
         {field: grown(inner, f"{address}({k}).{field}", found)}
@@ -444,7 +460,10 @@ def grown(tree, address, found):
 @settings(
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-@given(st.dictionaries(NAMES, TREES, min_size=1, max_size=3), st.sampled_from([save5, save73]))
+@given(
+    st.dictionaries(NAMES, TREES, min_size=1, max_size=3),
+    st.sampled_from([save5, save73, save_by_matio]),
+)
 def test_any_nest_of_structures_comes_back_right(tmp_path, trees, write):
     path = tmp_path / "x.mat"
     found: dict[str, np.ndarray] = {}

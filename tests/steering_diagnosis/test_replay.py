@@ -8,6 +8,7 @@ import pytest
 from bench_records import NOISE, bench_record
 
 from steering_core.errors import BenchError
+from steering_core.parameters import ParameterError
 from steering_diagnosis.steering.drive import LONE_HZ
 from steering_diagnosis.steering.replay import UNSETTLED, SteeringReplay
 from steering_diagnosis.steering.smoothing import HIGHEST_HZ, low_pass
@@ -155,14 +156,25 @@ def test_a_lone_load_cell_may_be_late_and_no_sensor_is_early():
     late = np.concatenate([record["rack_force"][:1].repeat(2), record["rack_force"][:-2]])
     lone = SteeringReplay(replace(record, channels={**channels, "rack_force": late}))
     delay = "rack_force_sensor.delay"
-    assert delay in {n.name for n in lone.nuisances}
+    known = {n.name: n for n in lone.nuisances}
+    assert (known[delay].low, known[delay].high) == (0.0, 0.063)
     assert delay not in {n.name for n in SteeringReplay(record).nuisances}
     errors = [
         np.std(by_output(lone, lone.residuals({delay: s}, {}))["right_pressure"])
-        for s in (-1e-3, 0.0, 2e-3)
+        for s in (0.0, 2e-3)
     ]
-    assert errors[0] == errors[1]
-    assert errors[2] < 0.9 * errors[1]
+    assert errors[1] < 0.9 * errors[0]
+    with pytest.raises(ParameterError, match="at least 0 s"):
+        lone.residuals({delay: -1e-4}, {})
+
+
+def test_the_data_sheet_takes_both_ends_of_every_nuisance(system):
+    record = bench_record(system, duration=2.0)
+    for n in SteeringReplay(record).nuisances:
+        assert n.low <= n.nominal <= n.high, n.name
+        ends = [n.low, min(n.high, n.nominal + 40.0 * n.tolerance)]
+        for end in ends:
+            assert record.nominal.with_values({n.name: end})[n.name] == end
 
 
 def test_another_record_takes_the_outputs_of_the_first():

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from bench_records import NOISE, bench_record
 
+from steering_diagnosis.engine.catalogue import Catalogue
+from steering_diagnosis.engine.model import Hypothesis, HypothesisParameter
 from steering_diagnosis.steering.replay import SteeringReplay
-from steering_diagnosis.steering.ripple import EFFECT, find_line
+from steering_diagnosis.steering.ripple import EFFECT, Line, at_line, find_line
+from steering_plant.effects import EFFECTS
 
 
 @pytest.mark.parametrize("hz", [45.0, 163.37])
@@ -47,3 +50,23 @@ def test_a_harmonic_that_stands_out_more_does_not_hide_its_line():
     found = find_line(falling + line)
     assert found is not None
     assert found.hz == pytest.approx(137.2, abs=0.05)
+
+
+@pytest.mark.parametrize("hz", [25.2, 449.9])
+@pytest.mark.parametrize("phase", [-3.1, 3.1])
+def test_what_is_fitted_is_a_value_that_the_effect_takes(hz, phase):
+    """A phase is fitted through a turn's end and told within one turn; a frequency has bounds."""
+    effect = EFFECTS[EFFECT]
+    parameters = tuple(
+        HypothesisParameter(n, p.unit, p.neutral, p.low, p.high, p.typical, p.shape)
+        for n, p in effect.parameters.items()
+    )
+    plain = Hypothesis(EFFECT, "", "supply", parameters)
+    made = at_line(plain, Line(hz, 0.2), 0.05, phase)
+    book = Catalogue((), {EFFECT: made})
+    for pick in ("low", "high", "typical"):
+        values = np.array([getattr(p, pick) for p in made.parameters])
+        call = book.call(np.zeros(0), {EFFECT: values})
+        given = call.effects[EFFECT]
+        assert effect.values(given) == given
+        assert np.exp(1j * given["phase"]) == pytest.approx(np.exp(1j * values[2]))

@@ -12,7 +12,7 @@ CLASSES = {"float64": "double", "float32": "single", "bool": "logical"}
 
 
 def save73(path: Path, variables: dict[str, Any]) -> Path:
-    """Write arrays, texts, dicts as structures, lists of them as their arrays, lists as cells."""
+    """Write arrays, texts, dicts as structures, lists of dicts as arrays, objects as cells."""
     with h5py.File(path, "w", userblock_size=512) as file:
         references = file.create_group("#refs#", track_order=True)
         for name, value in variables.items():
@@ -24,19 +24,19 @@ def save73(path: Path, variables: dict[str, Any]) -> Path:
 
 
 def _write(group: h5py.Group, references: h5py.Group, name: str, value: Any) -> None:
-    if isinstance(value, dict):
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        _refer(group, references, name, list(value.flat))
+        _of_class(group[name], "cell")
+    elif isinstance(value, dict):
         structure = group.create_group(name, track_order=True)
         _of_class(structure, "struct")
         for field, child in value.items():
             _write(structure, references, field, child)
-    elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+    elif isinstance(value, list):
         structure = group.create_group(name, track_order=True)
         _of_class(structure, "struct")
         for field in value[0]:
             _refer(structure, references, field, [item[field] for item in value])
-    elif isinstance(value, list):
-        _refer(group, references, name, value)
-        _of_class(group[name], "cell")
     elif isinstance(value, str):
         units = np.frombuffer(value.encode("utf-16-le"), np.uint16)
         _of_class(group.create_dataset(name, data=units[:, np.newaxis]), "char", 2)

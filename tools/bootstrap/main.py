@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
+from bootstrap import settled
 from bootstrap.ensure import Ready, ensure
 from bootstrap.errors import SetupError
 from bootstrap.layout import Layout, python_of
@@ -14,11 +15,19 @@ from bootstrap.variables import for_run
 
 def main(root: Path, arguments: list[str]) -> int:
     """Exit status of the call; does not return where the command line takes over."""
+    open_standard_streams()
     try:
-        return dispatch(Layout.here(root), arguments)
+        status = dispatch(Layout.here(root), arguments)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return status
     except SetupError as error:
         print(f"steer: {error}", file=sys.stderr)
         return 1
+    except BrokenPipeError:
+        # The reader (head, less) has had enough; what is buffered would raise once more at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except PermissionError as error:
         print(
             f"steer: no permission for {error.filename}; does it belong to another user?",
@@ -33,6 +42,15 @@ def main(root: Path, arguments: list[str]) -> int:
         return 130
 
 
+def open_standard_streams() -> None:
+    """Open those that are closed: a lock file would take their number, and what is printed."""
+    for number, flags in enumerate((os.O_RDONLY, os.O_WRONLY, os.O_WRONLY)):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, flags), True)
+
+
 def dispatch(layout: Layout, arguments: list[str]) -> int:
     """Hand the call to whoever answers it."""
     command = arguments[0] if arguments else "--help"
@@ -45,6 +63,7 @@ def dispatch(layout: Layout, arguments: list[str]) -> int:
         from bootstrap import setup_command
 
         return setup_command.run(layout, arguments[1:])
+    settled.keep_interpreter(layout, arguments)
     if command == "test":
         from bootstrap import checks
 

@@ -9,7 +9,9 @@ from bootstrap import locks, stamp
 def remove(top: Path) -> None:
     """Remove a folder of set-up; its stamp goes first, so that a rest is never taken for whole."""
     stamp.file_of(top).unlink(missing_ok=True)
-    if top.exists():
+    if top.is_symlink():
+        top.unlink()  # what it leads to belongs to another project
+    elif top.exists():
         shutil.rmtree(top)
 
 

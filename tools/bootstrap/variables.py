@@ -1,24 +1,12 @@
 """Environment variables under which the workspace builds and the commands run."""
 
 import os
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from bootstrap import inherited
 from bootstrap.layout import Layout, site_packages
-
-# What a person's shell or another ROS may set and what would mix foreign code into ours.
-_FOREIGN = (
-    "PYTHONHOME",
-    "PYTHONPATH",
-    "AMENT_PREFIX_PATH",
-    "CMAKE_PREFIX_PATH",
-    "COLCON_PREFIX_PATH",
-    "LD_LIBRARY_PATH",
-    "ROS_DISTRO",
-    "ROS_VERSION",
-    "ROS_PYTHON_VERSION",
-    "RMW_IMPLEMENTATION",
-)
 
 
 def _joined(first: Iterable[Path | str], *later: str) -> str:
@@ -68,24 +56,26 @@ def for_run(
     result["LD_LIBRARY_PATH"] = _joined(
         [install / "lib", *libraries], result.get("LD_LIBRARY_PATH", "")
     )
-    result.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    # Processes share the cores. Threads for small matrices would only wait for one another, and
-    # their number would change the last digits.
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
-        result.setdefault(name, "1")
+    inherited.on_the_network(result)
+    inherited.one_thread(result)
+    inherited.with_log_folder(result, layout.logs / "ros")
+    result["PYTHONUTF8"] = "1"
+    result["PYTHONIOENCODING"] = _terminal(base)
     return result
 
 
 def _common(layout: Layout, environment: Path, base: Mapping[str, str]) -> dict[str, str]:
-    result = dict(base)
-    if not layout.system_ros:
-        for name in _FOREIGN:
-            result.pop(name, None)
-    result.pop("PYTHONHOME", None)
+    result = inherited.without_foreign(base, layout.system_ros)
     result["VIRTUAL_ENV"] = str(environment)
     result["PATH"] = _joined([environment / "bin"], base.get("PATH", os.defpath))
     result["PYTHONNOUSERSITE"] = "1"
     return result
+
+
+def _terminal(base: Mapping[str, str]) -> str:
+    """The terminal's encoding, in which what it cannot show is replaced and ends nothing."""
+    given = base.get("PYTHONIOENCODING", "").partition(":")[0]
+    return f"{given or getattr(sys.stdout, 'encoding', None) or 'utf-8'}:replace"
 
 
 def _libraries(environment: Path) -> list[Path]:

@@ -93,7 +93,11 @@ def _parameters(plan: Plan, connection: Connection | None) -> dict[str, dict[str
         parameters[name] = {"bag": str(replay.bag)}
     if plan.bag is not None:
         metadata = json.dumps(plan.metadata())
-        parameters[RECORDER] = {"path": str(plan.bag), "metadata": metadata}
+        parameters[RECORDER] = {
+            "path": str(plan.bag),
+            "metadata": metadata,
+            "compress": plan.manner.compress,
+        }
     return parameters
 
 
@@ -118,13 +122,17 @@ def _error(result: RunResult) -> str | None:
 def _with_bag(plan: Plan, outcome: Outcome) -> Outcome:
     """Look into the bag: how much it holds, the largest values, and whether it is whole."""
     from steering_bringup.bags import BagError, note_in_bag, read_bag
+    from steering_bringup.bags.writer import BROKEN_OFF_KEY
 
     if plan.bag is None or not plan.bag.exists():
         return outcome
     outcome.bag = plan.bag
     try:
-        if outcome.rig is not None:
-            note_in_bag(plan.bag, {"rig_run": outcome.rig})
+        more: dict[str, Any] = {} if outcome.rig is None else {"rig_run": outcome.rig}
+        if outcome.ticks < outcome.planned:
+            more |= {BROKEN_OFF_KEY: outcome.error or outcome.stopped_by}
+        if more:
+            note_in_bag(plan.bag, more)
         trace = read_bag(plan.bag)
     except BagError as error:
         outcome.notes.append(str(error))

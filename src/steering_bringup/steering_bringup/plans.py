@@ -38,7 +38,8 @@ class Manner:
     """How runs are made, whatever is run. ``timeout``: s of wall clock without a tick.
 
     ``domain``: ROS_DOMAIN_ID in which nodes outside the run find it; None: a free one.
-    ``external``: nodes that somebody starts elsewhere, awaited for ``wait`` s.
+    ``external``: nodes that somebody starts elsewhere, awaited for ``wait`` s. ``compress``: the
+    bag's chunks.
     """
 
     runner: Literal["graph", "direct"] = "graph"
@@ -48,6 +49,7 @@ class Manner:
     domain: int | None = None
     external: tuple[str, ...] = ()
     wait: float = 60.0
+    compress: bool = False
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 It may lag behind the clock by the ticks of its credit; then the clock waits, so nothing is lost.
 Parameters: ``path`` of the bag, ``metadata`` (JSON: what is needed to repeat the run),
-``overwrite``.
+``overwrite``, ``compress``.
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ class RecorderNode(LockstepNode):
             types,
             json.loads(values.get("metadata", "{}")),
             overwrite=bool(values.get("overwrite", False)),
+            compress=bool(values.get("compress", False)),
         )
 
     def receiver(self, index: int) -> Callable[[bytes], None]:
@@ -100,6 +101,8 @@ class RecorderNode(LockstepNode):
 
         After a failure nothing is added: the bag ends before the gap, not behind it.
         """
+        if self.done < self.run.ticks:
+            self.writer.broken_off(self.done, self.run.ticks)
         try:
             if self.failed:
                 return

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from steering_bringup.checks import check_physics, check_place
 from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
 from steering_bringup.outcome import Outcome
 from steering_bringup.plans import Plan
+
+if TYPE_CHECKING:
+    from steering_bringup.bags import Trace
 
 
 def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> list[Outcome]:
@@ -78,9 +82,15 @@ def _run(plan: Plan, zygote: object) -> Outcome:
 def compare_bags(first: Path, second: Path, page: Path) -> tuple[list[str], dict[str, object]]:
     """Compare two bags, write the page, and return (lines for the terminal, numbers)."""
     from steering_bringup.bags import read_bag
+
+    return compare_traces(read_bag(first), read_bag(second), page)
+
+
+def compare_traces(first: Trace, second: Trace, page: Path) -> tuple[list[str], dict[str, object]]:
+    """Compare two traces, write the page, and return (lines for the terminal, numbers)."""
     from steering_bringup.comparison import compare, summary
     from steering_bringup.comparison.page import write_page
 
-    result = compare(read_bag(first), read_bag(second))
+    result = compare(first, second)
     write_page(result, page)
     return summary(result).splitlines(), result.to_dict()

@@ -25,6 +25,8 @@ import llvmlite
 import llvmlite.binding
 import numba
 
+from steering_core.errors import BenchError
+
 CORE_PACKAGES = (
     "steering_core",
     "steering_plant",
@@ -67,17 +69,29 @@ def content_key(sources: Iterator[Path]) -> str:
 
 
 def cache_root() -> Path:
-    """Return the folder that holds the caches: ``STEER_KERNEL_CACHE`` or the user's cache."""
+    """Return the folder that holds the caches: ``STEER_KERNEL_CACHE`` or the user's cache.
+
+    A temporary folder where the user's cannot be written. BenchError where the named one cannot.
+    """
     named = os.environ.get("STEER_KERNEL_CACHE")
     if named:
+        if not _writable(Path(named)):
+            raise BenchError(f"STEER_KERNEL_CACHE names '{named}', which cannot be written")
         return Path(named)
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    root = Path(base) / "steering-kernels"
+    given = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    base = given if given.is_absolute() else Path(os.path.expanduser("~/.cache"))
+    root = base / "steering-kernels"
+    return root if base.is_absolute() and _writable(root) else _temporary_root()
+
+
+def _writable(folder: Path) -> bool:
+    """Return whether a file can be made in ``folder``, which is made where it is not there."""
     try:
-        root.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
     except OSError:
-        return _temporary_root()
-    return root
+        return False
 
 
 def _temporary_root() -> Path:

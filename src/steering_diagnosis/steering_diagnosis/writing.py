@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import textwrap
 from pathlib import Path
 
@@ -24,9 +25,12 @@ def write_all(diagnosis: Diagnosis, folder: Path) -> list[Path]:
     files = [write_page(diagnosis, folder / "report.html"), folder / "report.json"]
     extension = folder / "extension.yaml"
     try:
-        files[1].write_text(report.model_dump_json(indent=2) + "\n", encoding="utf-8")
+        text = json.dumps(report.model_dump(mode="json"), indent=2)
+        files[1].write_text(text + "\n", encoding="utf-8")
         if diagnosis.extension:
-            extension.write_text(_extension(diagnosis, extension), encoding="utf-8")
+            extension.write_text(
+                _extension(diagnosis, extension), encoding="utf-8", errors="replace"
+            )
             files.append(extension)
     except OSError as error:
         raise BenchError(f"'{error.filename}' cannot be written: {error.strerror}") from None

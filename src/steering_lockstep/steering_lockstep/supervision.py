@@ -236,8 +236,10 @@ class Supervision:
         self.started_at = result.pop("started_at", 0)
         ended = result.pop("ended_at", 0)
         outcome.ticks = result.pop("ticks", self.tick)
-        if ended:
-            outcome.wall_time = (ended - self.started_at) * 1e-9
+        if self.started_at:
+            # A run that was broken off has no end but its last sign of life.
+            last = ended * 1e-9 if ended else self.moved
+            outcome.wall_time = max(last - self.started_at * 1e-9, 0.0)
         lateness = result.pop("lateness", np.zeros(0))[: outcome.ticks]
         if len(lateness):
             outcome.latency = latency(lateness)

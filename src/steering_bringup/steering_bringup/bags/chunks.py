@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import struct
 import zlib
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from rosbags.rosbag2.storage_mcap import DECOMPRESSORS
@@ -12,34 +13,81 @@ from rosbags.rosbag2.storage_mcap import DECOMPRESSORS
 from steering_bringup.bags import mcap_bytes as mcap
 from steering_bringup.bags.mcap_bytes import gather, text_at, u16, u32, u64
 
+QOS_KEY, HASH_KEY = "offered_qos_profiles", "topic_type_hash"
+"""Names under which rosbag2 tells more about a channel."""
+
+NUMBERS = 1 << 16
+"""Channels have numbers of 16 bits."""
+
 
 @dataclass(frozen=True)
 class Channel:
-    """One channel: topic, its type, and the definition text that the file carries."""
+    """One channel: topic, its type, and the definition text that the file carries.
+
+    ``qos``: the publishers' offered profiles as YAML text; ``digest``: the type's hash; both where
+    the file tells them.
+    """
 
     topic: str
     msgtype: str
     definition: str
     encoding: str
+    qos: str = ""
+    digest: str = ""
 
 
 @dataclass
 class Block:
-    """Uncompressed bytes with the offsets of the message records in them, per channel."""
+    """The bytes of a chunk with the offsets of the message records in them, per channel.
 
-    data: memoryview
+    ``content``: uncompressed; None where it is to be unpacked (``packed``: how, and what) when it
+    is asked for.
+    """
+
+    content: memoryview | None
     offsets: dict[int, np.ndarray]
+    packed: tuple[str, memoryview] | None = None
+
+    @property
+    def data(self) -> memoryview:
+        """The uncompressed bytes; kept until they are released."""
+        if self.content is None:
+            assert self.packed is not None
+            self.content = _decompress(*self.packed)
+        return self.content
+
+    def release(self) -> None:
+        """Let go of what can be unpacked again."""
+        if self.packed is not None:
+            self.content = None
 
 
 @dataclass
 class Scan:
-    """What a pass over the file found. `damage` is empty for a complete file."""
+    """What a pass over the file found. `damage` is empty for a complete file.
+
+    ``channels``: by a key of the pass, which is the file's number of the channel unless a file
+    uses a number twice; ``current``: number -> key of those that follow.
+    """
 
     channels: dict[int, Channel] = field(default_factory=dict)
     blocks: list[Block] = field(default_factory=list)
     damage: list[str] = field(default_factory=list)
     schemas: dict[int, tuple[str, str]] = field(default_factory=dict)
     finished: bool = False
+    current: dict[int, int] = field(default_factory=dict)
+
+    def add_channel(self, number: int, channel: Channel) -> None:
+        """Take a definition: most repeat what is known; another one of a used number is told."""
+        key = number
+        while (known := self.channels.get(key)) not in (None, channel):
+            if known == replace(channel, msgtype="", definition=""):
+                break  # its schema came late
+            key += NUMBERS
+        if known is None and key != number:
+            self.damage.append(f"channel {number} is {channel.topic} too")
+        self.channels[key] = channel
+        self.current[number] = key
 
     @property
     def message_count(self) -> int:
@@ -50,8 +98,9 @@ class Scan:
 class Chunk:
     """A chunk whose message indexes follow it."""
 
-    def __init__(self, content: memoryview) -> None:
+    def __init__(self, content: memoryview, packed: tuple[str, memoryview] | None) -> None:
         self.content = content
+        self.packed = packed
         self.index: dict[int, np.ndarray] = {}
 
     def take_index(self, body: memoryview) -> None:
@@ -68,8 +117,12 @@ class Chunk:
         offsets = self._checked_index(found)
         if offsets is None:
             offsets, _ = walk(self.content, found)
+        else:
+            offsets = {found.current.get(number, number): o for number, o in offsets.items()}
         if offsets:
-            found.blocks.append(Block(self.content, offsets))
+            block = Block(self.content, offsets, self.packed)
+            block.release()
+            found.blocks.append(block)
 
     def _checked_index(self, found: Scan) -> dict[int, np.ndarray] | None:
         """Index offsets, if they name every record from the first message to the chunk's end."""
@@ -98,6 +151,9 @@ def open_chunk(data: memoryview, start: int, body: int, end: int, found: Scan) -
         name, position = text_at(data, body + 28)
         (stored,) = u64(data, position)
         packed = data[position + 8 : position + 8 + stored]
+        if name and name not in DECOMPRESSORS:
+            found.damage.append(f"the chunk at byte {start} is packed as {name[:9]!a}: left out")
+            return None
         content = _decompress(name, packed)
         intact = len(content) == size and (not checksum or zlib.crc32(content) == checksum)
     except Exception:  # decompressors raise whatever they like on damaged bytes
@@ -105,7 +161,7 @@ def open_chunk(data: memoryview, start: int, body: int, end: int, found: Scan) -
     if not intact:
         found.damage.append(f"the chunk at byte {start} is damaged and was left out")
         return None
-    return Chunk(content)
+    return Chunk(content, (name, packed) if name else None)
 
 
 def salvage(rest: memoryview, found: Scan) -> None:
@@ -131,7 +187,8 @@ def walk(content: memoryview, found: Scan) -> tuple[dict[int, np.ndarray], bool]
         if end > size:
             break
         if op == mcap.MESSAGE and length >= mcap.PAYLOAD - mcap.RECORD_HEAD:
-            offsets.setdefault(u16(content, position + mcap.RECORD_HEAD)[0], []).append(position)
+            (number,) = u16(content, position + mcap.RECORD_HEAD)
+            offsets.setdefault(found.current.get(number, number), []).append(position)
         else:
             define(op, content[position + mcap.RECORD_HEAD : end], found)
         position = end
@@ -154,11 +211,24 @@ def _define(op: int, body: memoryview, found: Scan) -> None:
         text, _ = text_at(body, position)
         found.schemas[key] = (name, text)
     elif op == mcap.CHANNEL:
-        (key,) = u16(body, 0)
+        (number,) = u16(body, 0)
         name, text = found.schemas.get(u16(body, 2)[0], ("", ""))
         topic, position = text_at(body, 4)
-        encoding, _ = text_at(body, position)
-        found.channels[key] = Channel(topic, name, text, encoding)
+        encoding, position = text_at(body, position)
+        more = dict(_pairs(body, position))
+        qos, digest = more.get(QOS_KEY, ""), more.get(HASH_KEY, "")
+        found.add_channel(number, Channel(topic, name, text, encoding, qos, digest))
+
+
+def _pairs(body: memoryview, position: int) -> Iterator[tuple[str, str]]:
+    """Yield the entries of a map of texts."""
+    (size,) = u32(body, position)
+    position += 4
+    end = position + size
+    while position < end:
+        key, position = text_at(body, position)
+        value, position = text_at(body, position)
+        yield key, value
 
 
 def _decompress(name: str, packed: memoryview) -> memoryview:

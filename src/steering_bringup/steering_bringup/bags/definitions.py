@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any
 
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from steering_bringup.bags.errors import BagError
@@ -15,6 +18,11 @@ from steering_bringup.bags.errors import BagError
 PACKAGE = "steering_msgs"
 UNKNOWN_HASH = "RIHS01_0"
 _SECTION = "=" * 80 + "\n"
+_SEPARATOR = re.compile(r"^={3,}[ \t]*$", re.MULTILINE)
+_IDL = re.compile(r"^\s*module\s+\w+\s*\{", re.MULTILINE)
+_IDL_HEAD = re.compile(r"^(?:=+[ \t]*\n)?IDL: .*\n", re.MULTILINE)
+_INCLUDE = re.compile(r"^\s*#include.*$", re.MULTILINE)
+_BOUNDED_WSTRING = re.compile(r"\bwstring<=\s*\d+")
 
 
 def message_folders() -> list[Path]:
@@ -70,8 +78,10 @@ def definition_of(msgtype: str, given: Mapping[str, str] | None) -> tuple[str, s
     if given is None:
         return definition(msgtype)
     store = typestore_of({msgtype: given[msgtype]})
-    known = msgtype in store.fielddefs
-    return given[msgtype], store.hash_rihs01(msgtype) if known else UNKNOWN_HASH
+    try:
+        return given[msgtype], store.hash_rihs01(msgtype)
+    except KeyError:  # it, or a part of it, could not be understood
+        return given[msgtype], UNKNOWN_HASH
 
 
 @cache
@@ -82,19 +92,60 @@ def _standard_types() -> Typestore:
 def typestore_of(definitions: dict[str, str]) -> Typestore:
     """A type store from the definitions that a bag carries (type -> definition text).
 
-    Definitions that cannot be parsed are left out.
+    Definitions that cannot be parsed are left out. A type without a text, and parts that a text
+    does not define, are taken from the standard and our own types.
     """
     return _typestore_of(tuple(sorted(definitions.items())))
+
+
+def parse_definition(msgtype: str, text: str) -> dict[str, Any]:
+    """Return type -> (constants, fields), as rosbags has them, of a definition text and its parts.
+
+    .msg text, concatenated or not, and IDL. Empty where the text is empty or cannot be parsed:
+    messages of such a type are kept as bytes.
+    """
+    text = "\n".join(text.splitlines()) + "\n"
+    if not text.strip():
+        return {}
+    try:
+        if not _IDL.search(text):
+            # Two things that .msg has and rosbags has not: bounds of wide strings, other rules.
+            text = _BOUNDED_WSTRING.sub("wstring", _SEPARATOR.sub("=" * 80, text))
+            return dict(get_types_from_msg(text, msgtype))
+        parts: dict[str, Any] = {}
+        for part in _IDL_HEAD.split(_INCLUDE.sub("", text)):
+            if _IDL.search(part):
+                parts.update(get_types_from_idl(part))
+        return parts
+    except Exception:  # whatever a parser raises on a damaged text
+        return {}
 
 
 @lru_cache(maxsize=16)
 def _typestore_of(definitions: tuple[tuple[str, str], ...]) -> Typestore:
     store = get_typestore(Stores.EMPTY)
     for name, text in definitions:
-        try:
-            types = get_types_from_msg(text, name)
-        except TypesysError:
-            # Messages of a type that cannot be understood are kept as bytes.
-            continue
+        types = parse_definition(name, text)
         store.register({n: t for n, t in types.items() if n not in store.fielddefs})
+    _add_missing(store, {name for name, text in definitions if not text.strip()})
     return store
+
+
+def _add_missing(store: Typestore, names: set[str]) -> None:
+    """Add ``names``, and the types that others in the store are made of and no text defines."""
+    known, done = typestore().fielddefs, set[str]()
+    store.register({name: known[name] for name in names if name in known})
+    while names := {n for n in store.fielddefs if n not in done}:
+        done.update(names)
+        parts = {part for name in names for part in _parts(store.fielddefs[name][1])}
+        missing = {n for n in parts if n in known and n not in store.fielddefs}
+        store.register({name: known[name] for name in missing})
+
+
+def _parts(fields: Iterable[tuple[str, Any]]) -> Iterator[str]:
+    """Yield the names of the types that fields are made of."""
+    for _, (kind, detail) in fields:
+        if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+            kind, detail = detail[0]
+        if kind == Nodetype.NAME:
+            yield detail

@@ -19,38 +19,50 @@ from steering_bringup.bags.messages import add_opaque, add_rows
 from steering_bringup.bags.places import METADATA_FILE, RUN_FILE
 from steering_bringup.bags.recovery import repair
 from steering_bringup.bags.scan import Scan, scan
+from steering_bringup.bags.sources.files import bag_files, kind_of
 from steering_bringup.bags.trace import Trace
-from steering_bringup.bags.writer import OUTCOME_KEY, RUN_KEY
+from steering_bringup.bags.writer import BROKEN_OFF, BROKEN_OFF_KEY, OUTCOME_KEY, RUN_KEY
 
 
 def read_bag(
     path: str | Path, *, repair_damage: bool = True, topics: Container[str] | None = None
 ) -> Trace:
-    """Read a bag (folder or .mcap file) into a Trace.
+    """Read a bag (a folder, or one MCAP or SQLite file) into a Trace.
 
     topics: what to read; the messages of others are not looked at. None: all.
 
     A bag that a crash cut off is read as far as it goes, says so in `notes`, and is repaired in
     place for other readers (`repair`: the original bytes are kept), unless `repair_damage` is
-    False, the file lies alone, or a process is still writing it.
+    False, the file lies alone, another tool recorded it, or a process is still writing it.
+    The channels of a topic are joined in order of time.
     Raises BagError, naming the path, if there is no bag or nothing readable in it.
     """
     path = Path(path)
-    file = mcap_file(path)
-    if file is None:
-        return read_foreign(path, topics)
-    trace = read_mcap(file, topics)
+    files = bag_files(path)
+    found = _scan(files.files[0]) if len(files.files) == 1 and not files.notes else None
+    if found is None or not _is_plain(found):
+        trace = read_foreign(path, topics)
+        trace.run, trace.outcome = read_run(path)
+        return trace
+    (file,) = files.files
+    trace = _read(file, found, topics)
     trace.path = path
     trace.run, trace.outcome = read_run(path)
+    if trace.outcome.startswith(BROKEN_OFF):
+        trace.notes.append(f"the run was {trace.outcome}{_why(trace.run)}")
     if trace.complete and path.is_dir() and not (path / METADATA_FILE).exists():
         trace.complete = False
         trace.notes.insert(0, "not complete (metadata.yaml is missing): every message is there")
-    if not trace.complete and repair_damage and path.is_dir():
+    if not trace.complete and repair_damage and path.is_dir() and _is_ours(found):
         if is_being_written(file):
             trace.notes.append("the bag is still being written")
         else:
             trace.notes.append(_try_repair(path))
     return trace
+
+
+def _why(run: dict[str, Any]) -> str:
+    return f": {run[BROKEN_OFF_KEY]}" if run.get(BROKEN_OFF_KEY) else ""
 
 
 def _try_repair(path: Path) -> str:
@@ -60,26 +72,39 @@ def _try_repair(path: Path) -> str:
         return f"not repaired: {error}"
 
 
-def mcap_file(path: Path) -> Path | None:
-    """The MCAP file of a bag; None if the path holds a bag of another kind."""
-    if not path.exists():
-        raise BagError(f"there is no bag '{path}'")
-    if path.is_file():
-        return path if path.suffix == ".mcap" else None
-    files = sorted(path.glob("*.mcap"))
-    if len(files) == 1:
-        return files[0]
-    if not files and not any(path.glob("*.db3")) and not (path / METADATA_FILE).exists():
-        raise BagError(f"'{path}' is no bag: it holds no .mcap file")
-    return None
-
-
-def read_mcap(file: Path, topics: Container[str] | None = None) -> Trace:
-    """Read one MCAP file, complete or not."""
+def _scan(file: Path) -> Scan | None:
+    """Find the messages of an MCAP file, complete or not; None where it is of another kind."""
     try:
-        found = scan(map_file(file))
+        if kind_of(file) != "mcap":
+            return None
+        return scan(map_file(file))
     except (OSError, ValueError) as error:
         raise BagError(f"'{file}' cannot be read: {error}") from error
+
+
+def _is_plain(found: Scan) -> bool:
+    """Whether each topic has one channel with a type, and messages that begin as CDR does."""
+    channels = found.channels.values()
+    if len({c.topic for c in channels}) < len(channels):
+        return False
+    if not all(c.msgtype.count("/") == 2 and c.encoding == "cdr" for c in channels):
+        return False
+    return not any(
+        gather(block.data, offsets + PAYLOAD, np.dtype("u1")).any()
+        for block in found.blocks
+        for offsets in block.offsets.values()
+    )
+
+
+def _is_ours(found: Scan) -> bool:
+    """Whether the bench wrote a file: other recorders note what publishers offered.
+
+    That would be lost in a repair.
+    """
+    return not any(c.qos.strip() not in ("", "[]") for c in found.channels.values())
+
+
+def _read(file: Path, found: Scan, topics: Container[str] | None) -> Trace:
     if found.damage and not found.message_count:
         raise BagError(f"'{file}' holds no whole message: {'; '.join(found.damage)}")
     trace = Trace(complete=found.finished)
@@ -88,7 +113,7 @@ def read_mcap(file: Path, topics: Container[str] | None = None) -> Trace:
         if topics is not None and channel.topic not in topics:
             continue
         trace.types[channel.topic] = channel.msgtype
-        stamps, payloads = _payloads(found, key)
+        stamps, payloads = _in_order(*_payloads(found, key))
         if isinstance(payloads, np.ndarray):
             add_rows(trace, channel.topic, channel.msgtype, store, stamps, payloads)
         elif payloads:
@@ -96,6 +121,18 @@ def read_mcap(file: Path, topics: Container[str] | None = None) -> Trace:
     if found.damage:
         trace.notes.insert(0, _damage_note(trace, found))
     return trace
+
+
+def _in_order(
+    stamps: np.ndarray, payloads: np.ndarray | list[bytes]
+) -> tuple[np.ndarray, np.ndarray | list[bytes]]:
+    """Return a channel's messages in order of time; the order of the file where times are equal."""
+    if bool(np.all(stamps[1:] >= stamps[:-1])):
+        return stamps, payloads
+    order = np.argsort(stamps, kind="stable")
+    if isinstance(payloads, np.ndarray):
+        return stamps[order], np.ascontiguousarray(payloads[order])
+    return stamps[order], [payloads[k] for k in order]
 
 
 def _damage_note(trace: Trace, found: Scan) -> str:
@@ -132,14 +169,16 @@ def read_run(path: Path) -> tuple[dict[str, Any], str]:
 
 
 def _custom_data(file: Path) -> dict[str, str]:
-    information = (_yaml(file) or {}).get("rosbag2_bagfile_information") or {}
-    return information.get("custom_data") or {}
+    content = _yaml(file)
+    for name in ("rosbag2_bagfile_information", "custom_data"):
+        content = content.get(name) if isinstance(content, dict) else None
+    return content if isinstance(content, dict) else {}
 
 
 def _yaml(file: Path) -> Any:
     try:
         return yaml.load(file.read_text(encoding="utf-8"), Loader=_LOADER)
-    except (OSError, yaml.YAMLError):
+    except (OSError, ValueError, yaml.YAMLError):
         return None
 
 

@@ -62,6 +62,7 @@ def repair(path: str | Path) -> Recovery:
         raise BagError(f"'{folder}' is complete: there is nothing to repair")
     if not found.message_count:
         raise BagError(f"'{file}' holds no whole message")
+    _check_channels(file, found)
     try:
         return _rebuild(folder, file, found)
     except OSError as error:
@@ -74,6 +75,18 @@ def _scan(file: Path) -> Scan:
         return scan(map_file(file))
     except (OSError, ValueError) as error:
         raise BagError(f"'{file}' cannot be repaired: {error}") from error
+
+
+def _check_channels(file: Path, found: Scan) -> None:
+    """Refuse what the bench's writer would change: it knows CDR, and one type a topic."""
+    types: dict[str, str] = {}
+    for channel in found.channels.values():
+        known = types.setdefault(channel.topic, channel.msgtype)
+        if channel.encoding != "cdr" or not channel.msgtype or channel.msgtype != known:
+            raise BagError(
+                f"'{file}' is not repaired: its topic {channel.topic} has no type, two types or "
+                "messages that are no CDR; it can be read and played as it is"
+            )
 
 
 def _rebuild(folder: Path, file: Path, found: Scan) -> Recovery:

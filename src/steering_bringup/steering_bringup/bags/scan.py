@@ -38,8 +38,9 @@ def scan(data: memoryview) -> Scan:
             pending = open_chunk(data, start, body, end, found)
         elif op == CUT_CHUNK:
             salvage(data[body:end], found)
-        elif op == mcap.MESSAGE:
-            loose.setdefault(u16(data, body)[0], []).append(start)
+        elif op == mcap.MESSAGE and end - body >= mcap.PAYLOAD - RECORD_HEAD:
+            (number,) = u16(data, body)
+            loose.setdefault(found.current.get(number, number), []).append(start)
         elif op == mcap.STATISTICS and end - body >= 8:
             (expected,) = mcap.u64(data, body)
         else:
@@ -48,9 +49,10 @@ def scan(data: memoryview) -> Scan:
         pending.finish(found)
     if loose:
         found.blocks.append(Block(data, {c: np.array(o) for c, o in loose.items()}))
-    if expected is not None and expected != found.message_count and not found.damage:
+    if expected is not None and expected != found.message_count:
         found.damage.append(f"{expected} messages were recorded")
-    found.finished = not found.damage and data[-len(MAGIC) :].tobytes() == MAGIC
+    ended = len(data) >= 2 * len(MAGIC) and data[-len(MAGIC) :].tobytes() == MAGIC
+    found.finished = ended and not found.damage
     if not found.finished and not found.damage:
         found.damage.append("the file's end is missing")
     return found

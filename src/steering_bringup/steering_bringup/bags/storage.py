@@ -21,6 +21,9 @@ from rosbags.rosbag2.storage_mcap import McapWriter
 
 from steering_bringup.bags.append_file import AppendFile
 
+DISTRIBUTION = "jazzy"
+"""Of ROS 2, whose message definitions the bench's are; other tools look types up by it."""
+
 MESSAGE, CHUNK, MESSAGE_INDEX = 0x05, 0x06, 0x07
 MESSAGE_PREFIX = struct.Struct("<BQHIQQ")
 MESSAGE_FIELDS = 22  # bytes of a message record between its length and its payload
@@ -85,6 +88,10 @@ class FlushedMcap(McapWriter):
         """Write one message (the interface of rosbags' own writer)."""
         self.append(connection.id, timestamp, data)
 
+    def close(self, version: int, metadata: str) -> None:
+        """Write index and summary; the metadata go into the file as well."""
+        super().close(version, _of_distribution(metadata))
+
     def discard_chunk(self) -> None:
         """Forget what is not on disk yet."""
         self.chunk.bio = BytesIO()
@@ -148,3 +155,14 @@ class FlushedWriter(Writer):
     def __init__(self, path: Path) -> None:
         super().__init__(path, version=9, storage_plugin=StoragePlugin.MCAP)
         self.STORAGE_PLUGINS = {StoragePlugin.MCAP: FlushedMcap}
+
+    def close(self) -> None:
+        """Write index and metadata, which name the distribution whose messages these are."""
+        super().close()
+        new = self.metapath.with_suffix(".yaml.new")
+        new.write_text(_of_distribution(self.metapath.read_text("utf-8")), "utf-8")
+        new.replace(self.metapath)
+
+
+def _of_distribution(metadata: str) -> str:
+    return metadata.replace("ros_distro: rosbags", f"ros_distro: {DISTRIBUTION}", 1)

@@ -22,6 +22,9 @@ from steering_bringup.bags.storage import FlushedMcap, FlushedWriter
 
 RUN_KEY = "steering_run"
 OUTCOME_KEY = "steering_outcome"
+COMPLETE, BROKEN_OFF = "complete", "broken off"
+BROKEN_OFF_KEY = "broken_off"
+"""Of why, in the run's metadata: known when all of it is over."""
 CHUNK_BYTES = 1 << 20
 FLUSH_SECONDS = 0.5
 
@@ -34,6 +37,7 @@ class BagWriter:
     `chunk_bytes`, whichever is less, counted at each message; `flush` any time. Flushed means
     handed to the operating system: a power failure may take more.
     definitions: message type -> definition text, for types that are not installed here.
+    compress: chunks by Zstandard, as `ros2 bag` does with its preset zstd_fast.
 
     Raises BagError, naming the path, if the folder exists and `overwrite` is not set, if it cannot
     be made, and when a write fails (full disk). What had been flushed stays readable.
@@ -54,7 +58,7 @@ class BagWriter:
     ) -> None:
         self.path = Path(path)
         self._definitions = {t: definition_of(t, definitions) for t in set(topics.values())}
-        self.outcome = "complete"
+        self.outcome = COMPLETE
         self._run = dict(run or {})
         self._flush_seconds = flush_seconds
         self._chunk_bytes = chunk_bytes
@@ -142,6 +146,11 @@ class BagWriter:
             self.outcome = f"failed: {self._failure}"
             raise self._failure from error
 
+    def broken_off(self, ticks: int, planned: int) -> None:
+        """Note that the run was broken off after so many of its ticks."""
+        if self.outcome == COMPLETE:
+            self.outcome = f"{BROKEN_OFF} after {ticks} of {planned} ticks"
+
     @property
     def message_count(self) -> int:
         """Messages on disk (flushed)."""
@@ -195,7 +204,9 @@ class BagWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if error is not None and self.outcome == "complete":
+        if isinstance(error, KeyboardInterrupt) and self.outcome == COMPLETE:
+            self.outcome = f"{BROKEN_OFF}: interrupted"
+        if error is not None and self.outcome == COMPLETE:
             self.outcome = f"failed: {kind.__name__ if kind else ''}: {error}"
         try:
             self.close()

@@ -6,13 +6,13 @@ import argparse
 import contextlib
 import os
 import re
-import select
 import sys
 import traceback
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import Any
 
+from steering_bringup.cli import streams
 from steering_bringup.interrupts import nothing_to_lose
 
 COMMANDS = {
@@ -21,7 +21,7 @@ COMMANDS = {
     "play": "publish a bag on ROS topics, at any rate",
     "check-node": "check an overlay node: feed it the bench, inject faults, give a verdict",
     "python": "run a Python program of one's own with rclpy and the bench's messages",
-    "compare": "compare two bags on one HTML page",
+    "compare": "compare two bags or measured files on one HTML page",
     "list": "list scenarios, node sets, rigs, manoeuvres, loads, effects and parameters",
     "repeat": "repeat the run that a bag records and check that it is the same, bit for bit",
     "recover": "make a bag readable that a crash cut off",
@@ -48,6 +48,7 @@ PACKAGES: dict[str, str] = {
     "design-valve": "steering_studies",
     "study": "steering_studies",
     "reproduce": "steering_studies",
+    "compare": "steering_diagnosis",
     "diagnose": "steering_diagnosis",
     "diagnose-emps": "steering_diagnosis",
     "plan": "steering_diagnosis",
@@ -60,6 +61,7 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status: 0 only on success."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    streams.prepare()
     with contextlib.suppress(OSError):
         # Last, so that it shadows nothing: where a node of one's own (MODULE:FUNCTION) is found.
         sys.path.append(os.getcwd())
@@ -72,28 +74,23 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser.print_help()
         return USAGE
     try:
-        return int(options.implementation.execute(options) or 0)
+        status = int(options.implementation.execute(options) or 0)
+        sys.stdout.flush()
+        return status
     except KeyboardInterrupt:
         print("steer: interrupted", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:
-        if isinstance(error, BrokenPipeError) and _reader_is_gone():
+        if isinstance(error, BrokenPipeError) and streams.reader_is_gone():
             return 0
         if options.debug:
             traceback.print_exc()
         print(f"steer {options.command}: {_one_line(error)}", file=sys.stderr)
+        try:
+            sys.stdout.flush()
+        except OSError:
+            streams.be_quiet(sys.stdout)
         return FAILED
-
-
-def _reader_is_gone() -> bool:
-    """Return whether the reader of standard output (head, less) has had enough; then be quiet."""
-    poll = select.poll()
-    poll.register(sys.stdout.fileno(), select.POLLOUT)
-    gone = any(events & select.POLLERR for _, events in poll.poll(0))
-    if gone:
-        # What is still buffered would raise once more when the interpreter ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return gone
 
 
 def _parser(arguments: Sequence[str]) -> _Parser:

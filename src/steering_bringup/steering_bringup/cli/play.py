@@ -132,7 +132,13 @@ def _lines(played: Played) -> list[str]:
         times = ", ".join(f"{name} {1e3 * late:.2f} ms" for name, late in played.lateness.items())
         shown.append(f"  late         {times}")
     shown += [f"  left out     {topic}: {why}" for topic, why in played.skipped.items()]
-    return shown + [f"  note         {note}" for note in played.notes]
+    shown += [f"  note         {note}" for note in played.notes]
+    return [_printable(line) for line in shown]
+
+
+def _printable(text: str) -> str:
+    """Return one line: names in foreign bags may hold anything."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def _write(file: Path | None, played: Played) -> None:

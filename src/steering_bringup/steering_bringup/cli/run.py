@@ -90,6 +90,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--out", metavar="DIR", type=Path, help="folder (default: results/SCENARIO-1, -2, ...)")
     add("--record", metavar="BAG", type=Path, help="folder of the bag, where one node set runs")
     add("--no-record", action="store_true", help="record nothing")
+    add("--compress", choices=("zstd",), help="compress the bags (default: not)")
     add("--truth", action=argparse.BooleanOptionalAction, help="true states of the plant too")
     add("--json", metavar="FILE", type=Path, help="write the summary for machines")
 
@@ -220,6 +221,7 @@ def _manner(options: argparse.Namespace) -> Manner:
         options.domain,
         external,
         options.wait,
+        options.compress is not None,
     )
 
 

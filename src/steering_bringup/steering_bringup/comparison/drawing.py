@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from steering_bringup.comparison.result import Comparison
-from steering_bringup.comparison.signals import BY_KEY
+from steering_bringup.comparison.signals import Signal
 from steering_bringup.comparison.verdict import limit
 from steering_bringup.pages import Axes, Curve
 
@@ -44,28 +44,33 @@ def _sides(result: Comparison) -> tuple[int, int]:
 
 def both(result: Comparison, key: str, title: str = "") -> Axes:
     """Both runs' signal over time."""
-    signal = BY_KEY[key]
+    signal = result.kinds[key]
     curves = [
         curve(result, side, result.time, result.signals[key][side] * signal.scale)
         for side in _sides(result)
     ]
-    label = f"{_quantity(key)} [{signal.shown_unit}]"
-    return Axes(TIME, label, curves, title, link="time")
+    return Axes(TIME, _with_unit(_quantity(signal), signal), curves, title, link="time")
 
 
-def _quantity(key: str) -> str:
-    if "pressure" in key:
-        return "Pressure"
-    return {"steering_wheel_angle": "Angle", "rack_position": "Position"}.get(key, "Torque")
+_QUANTITIES = {"Pa": "Pressure", "N m": "Torque", "rad": "Angle", "rad/s": "Speed"}
+_QUANTITIES |= {"m": "Position", "m/s": "Speed", "N": "Force"}
+
+
+def _quantity(signal: Signal) -> str:
+    return _QUANTITIES.get(signal.unit, "Value")
+
+
+def _with_unit(text: str, signal: Signal) -> str:
+    return f"{text} [{signal.shown_unit}]" if signal.shown_unit else text
 
 
 def _difference_label(result: Comparison, key: str) -> str:
-    return f"Difference [{BY_KEY[key].shown_unit}]"
+    return _with_unit("Difference", result.kinds[key])
 
 
 def error(result: Comparison, key: str, title: str = "") -> Axes:
     """Second minus first run over time, with its limits."""
-    signal = BY_KEY[key]
+    signal = result.kinds[key]
     curve = Curve(result.time, result.error(key) * signal.scale, colour=DIFFERENCE, width=1.2)
     return Axes(
         TIME,
@@ -82,12 +87,12 @@ def limits(result: Comparison, key: str) -> tuple[float, ...]:
     bound = limit(result, key)
     if bound is None or result.differences[key].largest < 0.2 * bound:
         return ()
-    return (-bound * BY_KEY[key].scale, bound * BY_KEY[key].scale)
+    return (-bound * result.kinds[key].scale, bound * result.kinds[key].scale)
 
 
 def loop(result: Comparison, x_key: str, y_key: str) -> Axes:
     """One signal against another, both runs."""
-    x, y = BY_KEY[x_key], BY_KEY[y_key]
+    x, y = result.kinds[x_key], result.kinds[y_key]
     curves = [
         curve(
             result,
@@ -107,8 +112,8 @@ def against_speed(result: Comparison, key: str) -> Axes | None:
     """Difference against steering wheel speed, coloured by the frequency of steering."""
     if "steering_wheel_speed" not in result.signals:
         return None
-    speed = result.signals["steering_wheel_speed"][0] * BY_KEY["steering_wheel_speed"].scale
-    gap = result.error(key) * BY_KEY[key].scale
+    speed = result.signals["steering_wheel_speed"][0] * result.kinds["steering_wheel_speed"].scale
+    gap = result.error(key) * result.kinds[key].scale
     growth = result.growths.get(key)
     shade, title = result.time, "time [s]"
     if growth is not None:
@@ -129,12 +134,12 @@ def growth_axes(result: Comparison, key: str) -> Axes | None:
     growth = result.growths.get(key)
     if growth is None:
         return None
-    peak = growth.peak * BY_KEY[key].scale
+    peak = growth.peak * result.kinds[key].scale
     slope, rest = np.polyfit(growth.frequency, peak, 1)
     ends = np.array([0.0, growth.frequency.max()])
     return Axes(
         "Frequency of the half-cycle [Hz]",
-        f"Largest difference [{BY_KEY[key].shown_unit}]",
+        f"Largest difference [{result.kinds[key].shown_unit}]",
         [
             Curve(ends, rest + slope * ends, colour="#9aa5b1", dash="dot", width=1.4),
             Curve(growth.frequency, peak, colour=DIFFERENCE, mode="lines+markers", over_time=False),

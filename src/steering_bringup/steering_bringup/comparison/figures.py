@@ -15,11 +15,25 @@ from steering_bringup.comparison.drawing import (
     loop,
 )
 from steering_bringup.comparison.result import Comparison
-from steering_bringup.comparison.signals import BY_KEY
 from steering_bringup.comparison.verdict import situation
 from steering_bringup.pages import Axes, Figure
 
 POWER_WINDOW_S = 0.25
+MOST_FURTHER = 12
+"""Further channels that are drawn; each costs the page two curves of the whole length."""
+
+DRAWN = frozenset(
+    {
+        "assistance_pressure",
+        "steering_wheel_torque",
+        "left_pressure",
+        "right_pressure",
+        "supply_pressure",
+        "steering_wheel_angle",
+        "rack_position",
+    }
+)
+"""Signals with a figure of their own."""
 
 
 def figures(result: Comparison) -> list[Figure]:
@@ -31,6 +45,7 @@ def figures(result: Comparison) -> list[Figure]:
         chamber_pressures(result),
         motion(result),
         supply(result),
+        *further(result),
     ]
     return [figure for figure in made if figure is not None]
 
@@ -89,8 +104,8 @@ def chamber_pressures(result: Comparison) -> Figure | None:
     keys = [k for k in ("left_pressure", "right_pressure") if k in result.signals]
     if not keys:
         return None
-    rows = [[both(result, k, BY_KEY[k].title) for k in keys]]
-    rows.append([error(result, k, BY_KEY[k].title + ", difference") for k in keys])
+    rows = [[both(result, k, result.kinds[k].title) for k in keys]]
+    rows.append([error(result, k, result.kinds[k].title + ", difference") for k in keys])
     return Figure("Chamber pressures" + _as(result, on_centre="8.5"), rows, height=270)
 
 
@@ -99,8 +114,8 @@ def motion(result: Comparison) -> Figure | None:
     keys = [k for k in ("steering_wheel_angle", "rack_position") if k in result.signals]
     if not keys:
         return None
-    rows = [[both(result, k, BY_KEY[k].title) for k in keys]]
-    rows.append([error(result, k, BY_KEY[k].title + ", difference") for k in keys])
+    rows = [[both(result, k, result.kinds[k].title) for k in keys]]
+    rows.append([error(result, k, result.kinds[k].title + ", difference") for k in keys])
     return Figure("Motion", rows, "The manoeuvre itself, and how far the two part.", height=250)
 
 
@@ -122,6 +137,21 @@ def supply(result: Comparison) -> Figure | None:
         [axes],
         f"Hydraulic power at the supply port, averaged over {POWER_WINDOW_S:g} s.",
     )
+
+
+def further(result: Comparison) -> list[Figure]:
+    """What measured data share beyond a run's own figures: each signal and its difference."""
+    if result.of_runs:
+        return []
+    keys = [key for key in result.differences if key not in DRAWN]
+    left = len(keys) - MOST_FURTHER
+    made = [
+        Figure(result.kinds[k].title, [[both(result, k), error(result, k, "Difference")]])
+        for k in keys[:MOST_FURTHER]
+    ]
+    if left > 0:
+        made[-1].caption = f"{left} further signals are in the table alone."
+    return made
 
 
 def _as(result: Comparison, on_centre: str = "", dry_park: str = "") -> str:

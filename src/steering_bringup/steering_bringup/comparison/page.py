@@ -9,8 +9,7 @@ from typing import Any
 from steering_bringup.comparison.figures import figures
 from steering_bringup.comparison.metadata import flatten
 from steering_bringup.comparison.result import Comparison
-from steering_bringup.comparison.signals import BY_KEY, SIGNALS
-from steering_bringup.comparison.verdict import limit, shown, verdict
+from steering_bringup.comparison.verdict import limit, shown, told, verdict
 from steering_bringup.pages import Card, Page, cards, folded, paragraph, table
 
 _UNIT_AFTER_NUMBER = re.compile(r"(\d) (bar|N m)")
@@ -26,7 +25,7 @@ def comparison_page(result: Comparison) -> Page:
     judged = verdict(result)
     first, second = result.names
     page = Page(
-        title=f"{_start(first)} and {second} compared",
+        title=f"{_start(first) if result.of_runs else first} and {second} compared",
         subtitle=_subtitle(result),
         lead=_UNIT_AFTER_NUMBER.sub("\\1\N{NO-BREAK SPACE}\\2", judged.sentence),
         good=judged.good,
@@ -39,7 +38,7 @@ def comparison_page(result: Comparison) -> Page:
     page.add(table(("Energy", "Unit", first, second, "Difference"), _energy_rows(result)))
     page.heading(
         "Figures",
-        f"Differences are {second} minus {first}, tick by tick; nothing is filtered or resampled. "
+        f"Differences are {second} minus {first}, tick by tick; {_treatment(result)}. "
         "Drag to zoom, double-click to go back, click a name to hide its curve.",
     )
     for figure in figures(result):
@@ -57,13 +56,20 @@ def _start(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def _treatment(result: Comparison) -> str:
+    if result.of_runs:
+        return "nothing is filtered or resampled"
+    return "what was not sampled at 1 kHz was brought onto it, as the notes say"
+
+
 def _subtitle(result: Comparison) -> str:
     scenario = result.traces[0].run.get("scenario")
     name = str(scenario.get("name", "")) if isinstance(scenario, dict) else ""
     parts = [name.replace("_", "-")] if name else []
     bags = " and ".join(trace.name for trace in result.traces)
+    what = "bags" if result.of_runs else "data"
     return " · ".join(
-        [*parts, f"{result.duration:.1f} s at 1 kHz, {len(result.time)} ticks", f"bags {bags}"]
+        [*parts, f"{result.duration:.1f} s at 1 kHz, {len(result.time)} ticks", f"{what} {bags}"]
     )
 
 
@@ -76,9 +82,7 @@ def _footer(result: Comparison) -> str:
 
 
 def _cards(result: Comparison) -> list[Card]:
-    keys = ("assistance_pressure", "steering_wheel_torque")
-    made = [_difference_card(result, k, f"{BY_KEY[k].title} difference") for k in keys]
-    found = [card for card in made if card is not None]
+    found = [_difference_card(result, key) for key in told(result)]
     powers = [e.mean_power for e in result.energies]
     for name, power in zip(result.names, powers, strict=True):
         if power is not None:
@@ -102,16 +106,16 @@ def _relative(name: str, power: float, result: Comparison) -> str:
     return f"{abs(share):.0%} {'more' if share > 0 else 'less'} than {result.names[0]}"
 
 
-def _difference_card(result: Comparison, key: str, title: str) -> Card | None:
-    if key not in result.differences:
-        return None
-    signal, item, bound = BY_KEY[key], result.differences[key], limit(result, key)
+def _difference_card(result: Comparison, key: str) -> Card:
+    signal, item, bound = result.kinds[key], result.differences[key], limit(result, key)
     remark, good = f"largest, at {item.at:.2f} s", None
     if bound is not None:
         good = item.largest <= bound
         words = "within" if good else "above"
         remark = f"{words} the limit of {bound * signal.scale:g} {signal.shown_unit}"
-    return Card(title, shown(key, item.largest), signal.shown_unit, remark, good)
+    return Card(
+        f"{signal.title} difference", shown(signal, item.largest), signal.shown_unit, remark, good
+    )
 
 
 def _head(result: Comparison) -> tuple[str, ...]:
@@ -133,15 +137,12 @@ def _limited(result: Comparison) -> bool:
 
 
 def _rows(result: Comparison) -> list[tuple[str, ...]]:
-    limits = {s.key: limit(result, s.key) for s in SIGNALS}
-    bounds = {k: "" if v is None else f"{v * BY_KEY[k].scale:g}" for k, v in limits.items()}
+    limits = {key: limit(result, key) for key in result.differences}
+    limited = _limited(result)
     rows = []
-    for signal in SIGNALS:
-        item = result.differences.get(signal.key)
-        if item is None:
-            continue
-        values = (*item.peaks, item.largest)
-        a, b, largest = (shown(signal.key, value) for value in values)
+    for key, item in result.differences.items():
+        signal, bound = result.kinds[key], limits[key]
+        a, b, largest = (shown(signal, value) for value in (*item.peaks, item.largest))
         rows.append(
             (
                 signal.title,
@@ -150,8 +151,8 @@ def _rows(result: Comparison) -> list[tuple[str, ...]]:
                 b,
                 largest,
                 f"{item.at:.3f}",
-                shown(signal.key, item.rms),
-                *((bounds[signal.key],) if _limited(result) else ()),
+                shown(signal, item.rms),
+                *(("" if bound is None else f"{bound * signal.scale:g}",) if limited else ()),
             )
         )
     return rows
@@ -174,6 +175,8 @@ def _energy_rows(result: Comparison) -> list[tuple[str, ...]]:
 
 
 def _changed(result: Comparison) -> str:
+    if not result.changed and not result.of_runs:
+        return paragraph("Nothing that differs is recorded about how they were made.")
     if not result.changed:
         return paragraph("Both runs were made with the same parameters, node set and software.")
     rows = [(name, _text(a), _text(b)) for name, a, b in result.changed]

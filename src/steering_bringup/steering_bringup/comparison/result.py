@@ -15,7 +15,7 @@ from steering_bringup.comparison.energy import TRUTH, Energy, energy
 from steering_bringup.comparison.growth import Growth, bands, growth
 from steering_bringup.comparison.labels import is_finite, missing_notes, names_of
 from steering_bringup.comparison.metadata import differing
-from steering_bringup.comparison.signals import BY_KEY, SIGNALS, has, valve_system
+from steering_bringup.comparison.signals import Signal, considered, has, is_run, valve_system
 
 GROWTH_KEYS = ("steering_wheel_torque", "assistance_pressure")
 
@@ -24,16 +24,18 @@ GROWTH_KEYS = ("steering_wheel_torque", "assistance_pressure")
 class Comparison:
     """Two runs beside each other. Everything is SI and second minus first.
 
-    names: labels of the runs; systems: see signals.valve_system; time: (n,) s;
-    signals: key -> (first, second), each (n,); differences: key -> Difference; growths: key ->
-    Growth, None where it cannot be judged; bands: key -> [(from Hz, to Hz, rms)]; energies and
-    supply_energy (n,) of each run; changed: metadata that differ; notes: what a reader must know.
+    names: labels of the runs; systems: see signals.valve_system; time: (n,) s; kinds: key -> Signal
+    of what both have, in the order shown; signals: key -> (first, second), each (n,); differences:
+    key -> Difference; growths: key -> Growth, None where it cannot be judged; bands: key -> [(from
+    Hz, to Hz, rms)]; energies and supply_energy (n,) of each run; changed: metadata that differ;
+    notes: what a reader must know.
     """
 
     traces: tuple[Trace, Trace]
     names: tuple[str, str]
     systems: tuple[str, str]
     time: np.ndarray
+    kinds: dict[str, Signal]
     signals: dict[str, tuple[np.ndarray, np.ndarray]]
     differences: dict[str, Difference]
     growths: dict[str, Growth | None]
@@ -48,6 +50,11 @@ class Comparison:
     def duration(self) -> float:
         """Compared time [s]."""
         return float(self.time[-1] - self.time[0])
+
+    @property
+    def of_runs(self) -> bool:
+        """Whether both are runs of the bench, not measured data or bags of other tools."""
+        return all(is_run(trace) for trace in self.traces)
 
     def error(self, key: str) -> np.ndarray:
         """Second minus first of a signal, (n,)."""
@@ -86,8 +93,9 @@ def compare(first: Trace, second: Trace) -> Comparison:
     """
     traces = (first, second)
     notes = [f"{trace.name}: {note}" for trace in traces for note in trace.notes]
-    wanted = [s for s in SIGNALS if has(first, s) and has(second, s)]
-    notes += missing_notes(traces)
+    kinds = considered(traces)
+    wanted = [s for s in kinds if has(first, s) and has(second, s)]
+    notes += missing_notes(traces, kinds)
     if not wanted:
         raise BagError(f"{first.name} and {second.name} share no signal to compare")
     topics = list(dict.fromkeys(s.topic for s in wanted))
@@ -95,6 +103,7 @@ def compare(first: Trace, second: Trace) -> Comparison:
     if note := range_note(traces, topics[0], ticks):
         notes.append(note)
     time = ticks * SECONDS_PER_TICK
+    named = {s.key: s for s in wanted}
     signals = {
         s.key: (
             s.take(rows_at(first, s.topic, ticks)),
@@ -102,7 +111,7 @@ def compare(first: Trace, second: Trace) -> Comparison:
         )
         for s in wanted
     }
-    signals = {key: pair for key, pair in signals.items() if is_finite(key, pair, traces, notes)}
+    signals = {k: pair for k, pair in signals.items() if is_finite(named[k], pair, traces, notes)}
     supplied = tuple(_supply_energy(trace, ticks, notes) for trace in traces)
     angle = signals.get("steering_wheel_angle")
     keys = [key for key in GROWTH_KEYS if key in signals]
@@ -112,8 +121,9 @@ def compare(first: Trace, second: Trace) -> Comparison:
         names=names_of(traces),
         systems=(valve_system(first), valve_system(second)),
         time=time,
+        kinds=named,
         signals=signals,
-        differences={k: difference(time, a, b, BY_KEY[k].unit) for k, (a, b) in signals.items()},
+        differences={k: difference(time, a, b, named[k].unit) for k, (a, b) in signals.items()},
         growths={k: growth(time, angle[0], e) if angle else None for k, e in errors.items()},
         bands={k: bands(e, SECONDS_PER_TICK) for k, e in errors.items()},
         energies=(
@@ -122,14 +132,16 @@ def compare(first: Trace, second: Trace) -> Comparison:
         ),
         supply_energy=(supplied[0], supplied[1]),
         changed=differing(first, second),
-        identical=first_difference(first, second) is None,
+        identical=all(t.payloads.keys() == t.topics.keys() for t in traces)
+        and first_difference(first, second) is None,
         notes=notes,
     )
 
 
 def _supply_energy(trace: Trace, ticks: np.ndarray, notes: list[str]) -> np.ndarray | None:
     if TRUTH not in trace or "supply_energy" not in (trace[TRUTH].dtype.names or ()):
-        notes.append(f"{trace.name} holds no {TRUTH}: its supply's energy is not known")
+        if is_run(trace):
+            notes.append(f"{trace.name} holds no {TRUTH}: its supply's energy is not known")
         return None
     own = trace[TRUTH]["tick"].astype(np.int64)
     if not np.isin(ticks, own).all():

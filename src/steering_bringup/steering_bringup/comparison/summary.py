@@ -5,10 +5,7 @@ from __future__ import annotations
 from textwrap import fill
 
 from steering_bringup.comparison.result import Comparison
-from steering_bringup.comparison.signals import BY_KEY, SIGNALS
-from steering_bringup.comparison.verdict import limit, shown, verdict
-
-_KEYS = [signal.key for signal in SIGNALS]
+from steering_bringup.comparison.verdict import limit, lowered, shown, verdict
 
 
 def summary(result: Comparison) -> str:
@@ -16,7 +13,7 @@ def summary(result: Comparison) -> str:
     first, second = result.names
     lines = [fill(verdict(result).sentence, 100), ""]
     lines.append(f"{'difference':<22} {'largest':>10} {'rms':>10}  {'':<6} {'at':>10}   limit")
-    lines += [_signal_line(result, key) for key in _KEYS if key in result.differences]
+    lines += [_signal_line(result, key) for key in result.differences]
     lines += ["", f"{'':<22} {first:>14} {second:>14}"]
     powers = [e.mean_power for e in result.energies]
     supplies = [e.supply for e in result.energies]
@@ -29,10 +26,10 @@ def summary(result: Comparison) -> str:
 
 
 def _signal_line(result: Comparison, key: str) -> str:
-    signal, item, bound = BY_KEY[key], result.differences[key], limit(result, key)
+    signal, item, bound = result.kinds[key], result.differences[key], limit(result, key)
     limit_text = "" if bound is None else f"{bound * signal.scale:g} {signal.shown_unit}"
     return (
-        f"{signal.title.lower():<22} {shown(key, item.largest):>10} {shown(key, item.rms):>10}"
+        f"{lowered(signal):<22} {shown(signal, item.largest):>10} {shown(signal, item.rms):>10}"
         f"  {signal.shown_unit:<6} {item.at:>8.3f} s   {limit_text}"
     )
 

@@ -6,10 +6,13 @@ from dataclasses import dataclass
 
 from steering_bringup.bags import Trace
 from steering_bringup.comparison.result import Comparison
-from steering_bringup.comparison.signals import BY_KEY
+from steering_bringup.comparison.signals import Signal
 
 LIMITS = {"assistance_pressure": 1.0e5, "steering_wheel_torque": 0.1}
 """Largest differences of closed-centre from open-centre, on-centre, SI (figs 8.2 and 8.4)."""
+
+TOLD: tuple[str, ...] = ("assistance_pressure", "steering_wheel_torque")
+"""What a comparison of two gears is about."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +25,7 @@ class Verdict:
 
 def limit(result: Comparison, key: str) -> float | None:
     """The limit of a signal's difference, SI; None if the pair is not the one it was set for."""
-    if set(result.systems) != {"open-centre", "closed-centre"}:
+    if set(result.systems) != {"open-centre", "closed-centre"} or not result.of_runs:
         return None
     if situation(result) != "on-centre":
         return None
@@ -35,17 +38,23 @@ def verdict(result: Comparison) -> Verdict:
     if result.identical:
         return Verdict(f"{first} and {second} are the same run, bit for bit.", True)
     parts, within = [], []
-    for key in ("assistance_pressure", "steering_wheel_torque"):
-        if key not in result.differences:
-            continue
+    for key in told(result):
         text, good = _part(result, key)
         parts.append(text)
         within.append(good)
     judged = [good for good in within if good is not None]
     opening = _opening(result, all(judged) if judged else None)
     sentence = f"{opening}: they differ in {' and in '.join(parts)}" if parts else opening
-    sentence = sentence[:1].upper() + sentence[1:]
+    if result.of_runs:  # The name of a file keeps its letters.
+        sentence = sentence[:1].upper() + sentence[1:]
     return Verdict(sentence + _growth_text(result) + ".", all(judged) if judged else None)
+
+
+def told(result: Comparison) -> list[str]:
+    """The signals that the sentence names: the two that matter, else the first two there are."""
+    there = list(result.differences)
+    matter = [key for key in TOLD if key in there]
+    return matter or there[:2]
 
 
 def _opening(result: Comparison, good: bool | None) -> str:
@@ -58,9 +67,9 @@ def _opening(result: Comparison, good: bool | None) -> str:
 
 
 def _part(result: Comparison, key: str) -> tuple[str, bool | None]:
-    signal, bound = BY_KEY[key], limit(result, key)
+    signal, bound = result.kinds[key], limit(result, key)
     value = result.differences[key].largest
-    text = f"{signal.title.lower()} by at most {shown(key, value)} {signal.shown_unit}"
+    text = f"{lowered(signal)} by at most {shown(signal, value)} {signal.shown_unit}".rstrip()
     if bound is None:
         return text, None
     return f"{text} (limit {bound * signal.scale:g} {signal.shown_unit})", value <= bound
@@ -75,10 +84,15 @@ def _growth_text(result: Comparison) -> str:
     return "; the torque difference does not come from frequency alone"
 
 
-def shown(key: str, value: float) -> str:
+def shown(signal: Signal, value: float) -> str:
     """A value in the unit and with the digits of its signal."""
-    signal = BY_KEY[key]
-    return f"{value * signal.scale:.{signal.digits}f}"
+    scaled = value * signal.scale
+    return f"{scaled:.5g}" if signal.digits is None else f"{scaled:.{signal.digits}f}"
+
+
+def lowered(signal: Signal) -> str:
+    """A signal's title within a sentence; a topic's name keeps its letters."""
+    return signal.title if signal.digits is None else signal.title.lower()
 
 
 def situation(result: Comparison) -> str:

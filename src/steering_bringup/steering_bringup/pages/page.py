@@ -74,7 +74,7 @@ class Page:
         path = Path(path)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(self.render(), encoding="utf-8")
+            path.write_text(self.render(), encoding="utf-8", errors="replace")
         except OSError as error:
             raise BenchError(f"page '{path}' cannot be written: {error.strerror}") from error
         return path

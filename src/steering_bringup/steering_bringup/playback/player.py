@@ -8,9 +8,9 @@ from math import inf, isinf
 from time import monotonic_ns
 from typing import Protocol
 
+from steering_bringup.bags.sources import Message
 from steering_bringup.playback.keys import FASTER, PAUSE, QUIT, SLOWER, STEP
 from steering_bringup.playback.lateness import Lateness
-from steering_bringup.playback.source import Message
 from steering_bringup.playback.timeline import Timeline
 
 LOOK_EVERY_NS = 50_000_000
@@ -18,6 +18,9 @@ LOOK_EVERY_NS = 50_000_000
 
 BEHIND_NS = 20_000_000
 """Later than this the wanted rate cannot be held: subscribers are then waited for."""
+
+DEPTH = 1000
+"""Messages that a publisher keeps for slow and late subscribers where the bag does not tell."""
 
 SLOWEST, FASTEST = 2.0**-7, 2.0**7
 
@@ -47,7 +50,7 @@ class Keyboard(Protocol):
 
 
 class Player:
-    """Plays passes over messages. ``show(recorded ns, paused)`` is called about 20 times a second.
+    """Plays stretches of messages. ``show(recorded ns, paused)`` is called about 20 times a second.
 
     clock_step: ns of recording between two messages on /clock.
     """
@@ -66,7 +69,6 @@ class Player:
         self.timeline = Timeline(rate)
         self.lateness = Lateness()
         self.ended = False
-        self.passes = 0
         self._keyboard = keyboard
         self._clock_step = clock_step
         self._show = show
@@ -75,15 +77,15 @@ class Player:
         self._steps = 0
 
     def settle(self, seconds: float) -> None:
-        """Wait before the first pass; a key counts already."""
+        """Wait before the first stretch; a key counts already."""
         until = self._now() + round(seconds * 1e9)
         while not self.ended and (remaining := until - self._now()) > 0:
             self._heed(self._keyboard.wait(remaining * 1e-9))
 
     def play(self, messages: Iterable[Message], start: int, due: int | None = None) -> None:
-        """Play one pass whose time begins at ``start`` ns.
+        """Play one stretch whose time begins at ``start`` ns.
 
-        ``due``: wall-clock time (monotonic, ns) of the beginning, now by default, so that passes
+        ``due``: wall-clock time (monotonic, ns) of the beginning, now by default, so that stretches
         can follow each other without a seam.
         """
         timeline = self.timeline
@@ -95,7 +97,12 @@ class Player:
                 self.sink.tell_time(at)
             if group:
                 self._publish(group, at)
-        self.passes += 1
+
+    def publish_kept(self, messages: Iterable[Message]) -> None:
+        """Publish at once what was kept from before the beginning."""
+        for _, topic, data in messages:
+            self.sink.publish(topic, data)
+            self.sink.hold_back(topic)
 
     def _publish(self, group: list[Message], at: int) -> None:
         publish, flat_out = self.sink.publish, isinf(self.timeline.rate)

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from time import monotonic_ns
 from typing import Any
 
+from steering_bringup.bags.sources import EARLIEST, Bag, Message, open_bag
 from steering_bringup.errors import BenchError
 from steering_bringup.playback.choice import chosen_topics, parse_remaps
+from steering_bringup.playback.course import Course
 from steering_bringup.playback.keys import Keys
-from steering_bringup.playback.player import Player
-from steering_bringup.playback.source import Source, open_source
+from steering_bringup.playback.player import DEPTH, Player
 from steering_bringup.progress import Bar
 
 SECOND = 1_000_000_000
+
+LEAST_STEP, USUAL_STEP = SECOND // 1000, SECOND
+"""ns from the last message of a pass to the first of the next: at least, and where the bag has no
+two messages of one topic at different times, which is how often ``ros2 topic pub`` repeats one."""
 
 
 @dataclass(frozen=True)
@@ -83,73 +90,103 @@ def play_bag(wish: Wish, played: Played, open_publishers: Callable[..., Any]) ->
     ``open_publishers`` makes ``Publishers``; ROS starts no earlier, so that it finds its settings.
     Raises BenchError before anything is published where the wish cannot be met.
     """
-    with closing(open_source(wish.bag)) as source:
-        _play(source, wish, played, open_publishers)
+    with closing(open_bag(wish.bag)) as bag:
+        try:
+            _play(bag, wish, played, open_publishers)
+            if bag.bad_messages and not played.messages:
+                raise BenchError(f"'{wish.bag}': nothing can be played: {'; '.join(bag.notes)}")
+        finally:
+            played.notes += bag.notes
 
 
-def _play(source: Source, wish: Wish, played: Played, open_publishers: Callable[..., Any]) -> None:
-    played.notes += source.notes
-    names = parse_remaps(wish.remaps, chosen_topics(source.topics, wish.topics, wish.exclude))
-    start, stop = _extent(wish, source)
+def _play(bag: Bag, wish: Wish, played: Played, open_publishers: Callable[..., Any]) -> None:
+    known = dict.fromkeys(info.name for info in bag.topics.values())
+    renamed = parse_remaps(wish.remaps, chosen_topics(known, wish.topics, wish.exclude))
+    infos = {label: info for label, info in bag.topics.items() if info.name in renamed}
+    names = {label: renamed[info.name] for label, info in infos.items()}
+    whole = Course.of(bag.spans)
+    course = _part(wish, whole)
     _prepare_middleware(wish)
-    infos = {topic: source.topics[topic] for topic in names}
     with open_publishers(infos, names, clock=wish.clock > 0.0, domain=wish.domain) as sink:
         played.counts, played.skipped = sink.counts, sink.skipped
         if not sink.topics:
             reasons = "; ".join(f"{topic}: {why}" for topic, why in sink.skipped.items())
             raise BenchError(f"'{wish.bag}': no topic is left to play ({reasons})")
+        kept = _kept(bag, sink.topics, course) if course.spans[0][0] > bag.start else []
+        played.notes += course.silences()
+        if kept:
+            played.notes.append(f"{len(kept)} kept messages from before --from come first")
         # The delay serves those that nobody waits for.
         sink.wait_for(wish.wait_for, wish.patience)
-        with Keys() as keys, Bar(wish.bag.name, (stop - start) * 1e-9) as bar:
+        with Keys() as keys, Bar(wish.bag.name, course.length * 1e-9) as bar:
             began = monotonic_ns()
 
             def show(recorded: int, paused: bool) -> None:
                 played.wall_time = (monotonic_ns() - began) * 1e-9
-                bar.update((recorded - start) // 1_000_000, _factor(player), _phase(paused))
+                bar.update(course.played(recorded) // 1_000_000, _factor(player), _phase(paused))
 
             step = max(1, round(SECOND / wish.clock)) if wish.clock > 0.0 else SECOND
             player = Player(sink, keys, wish.rate, clock_step=step, show=show)
             player.settle(wish.delay)
             began = monotonic_ns()
+            pause = _step(bag) if course.spans[-1][1] > bag.end else 0
             try:
-                _passes(player, source, sink.topics, start, stop, wish.loop)
+                for _ in _passes(player, bag, sink.topics, course, kept, pause):
+                    played.passes += 1
+                    if not wish.loop:
+                        break
             finally:
                 played.wall_time = (monotonic_ns() - began) * 1e-9
-                played.passes = player.passes
                 played.lateness = player.lateness.as_json() if player.lateness.count else {}
 
 
 def _passes(
-    player: Player, source: Source, topics: tuple[str, ...], start: int, stop: int, loop: bool
-) -> None:
-    """Play once or for ever; each pass begins where the last one's time is over."""
+    player: Player,
+    bag: Bag,
+    topics: tuple[str, ...],
+    course: Course,
+    kept: list[Message],
+    pause: int,
+) -> Iterator[None]:
+    """Play again and again; each pass begins where the last one's time is over."""
     due = monotonic_ns()
-    length = min(stop, source.end + _usual_step(source)) - start
-    while not player.ended:
-        player.play(source.messages(topics, start, stop), start, due)
-        if not loop:
-            return
-        due = player.timeline.due(start + length)
+    while True:
+        player.publish_kept(kept)
+        for (first, stop), length in zip(course.spans, course.lengths, strict=True):
+            player.play(bag.messages(topics, first, stop), first, due)
+            if player.ended:
+                return
+            due = player.timeline.due(first + length)
+        yield
+        due = player.timeline.due(first + length + pause)
 
 
-def _usual_step(source: Source) -> int:
+def _kept(bag: Bag, topics: tuple[str, ...], course: Course) -> list[Message]:
+    """Return what publishers had kept for late subscribers when the course begins."""
+    durable = [topic for topic in topics if bag.topics[topic].durable]
+    last = {topic: deque[Message](maxlen=bag.topics[topic].depth or DEPTH) for topic in durable}
+    if durable:
+        for message in bag.messages(durable, EARLIEST, course.spans[0][0]):
+            last[message[1]].append(message)
+    return sorted((m for messages in last.values() for m in messages), key=lambda m: m[0])
+
+
+def _step(bag: Bag) -> int:
     """Return ns from one message to the next on the bag's fastest topic."""
-    most = max(info.count for info in source.topics.values())
-    return max(1, round((source.end - source.start) / max(1, most - 1)))
+    most, length = max(info.count for info in bag.topics.values()), Course.of(bag.spans).length
+    return max(LEAST_STEP, length // (most - 1)) if most > 1 and length else USUAL_STEP
 
 
-def _extent(wish: Wish, source: Source) -> tuple[int, int]:
-    """Return the first ns that is played, and the first that is not."""
-    length = (source.end - source.start) / SECOND
-    start = source.start + round(wish.start * SECOND)
-    stop = source.end + 1
-    if wish.stop is not None:
-        stop = min(stop, source.start + round(wish.stop * SECOND))
+def _part(wish: Wish, whole: Course) -> Course:
+    """Return what is played of a bag's course."""
+    length = whole.length / SECOND
     if not 0.0 <= wish.start <= length:
         raise BenchError(f"--from {wish.start:g}: the bag '{wish.bag}' is {length:.3f} s long")
-    if stop <= start:
-        raise BenchError(f"--to {wish.stop:g} is not after --from {wish.start:g}")
-    return start, stop
+    stop = inf if wish.stop is None else wish.stop
+    if not stop > wish.start:
+        raise BenchError(f"--to {stop:g} is not after --from {wish.start:g}")
+    until = whole.length + 1 if stop > length else round(stop * SECOND)
+    return whole.part(round(wish.start * SECOND), until)
 
 
 def _prepare_middleware(wish: Wish) -> None:

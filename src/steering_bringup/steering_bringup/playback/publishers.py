@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -16,21 +17,27 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.type_support import check_for_type_support
 from rosgraph_msgs.msg import Clock
 
+from steering_bringup.bags.sources import TopicInfo
 from steering_bringup.errors import BenchError
 from steering_bringup.playback.installed import NotPlayable, message_class
-from steering_bringup.playback.source import TopicInfo
+from steering_bringup.playback.player import DEPTH
 
 CLOCK = "/clock"
-DEPTH = 1000
-ACKNOWLEDGE_EVERY = DEPTH // 4
+ACKNOWLEDGE = 4
+"""Subscribers are waited for after this part of what a publisher keeps."""
+
+SECONDS = -(1 << 31), (1 << 31) - 1
+"""What /clock can tell."""
+
 PATIENCE = Duration(seconds=1.0)
 
 
 class Publishers:
-    """One node with a publisher for each topic. ``skipped``: {topic: why it is not published}.
+    """One node with a publisher for each topic. ``skipped``: {topic: why it is not published};
+    ``counts``: {topic's name in the bag: published messages}.
 
-    topics: those of the bag that are played; names: what each is published as. clock: whether
-    /clock is published beside them. Use as a context manager.
+    topics: those of the bag that are played, by label; names: what each is published as. clock:
+    whether /clock is published beside them. Use as a context manager.
     """
 
     def __init__(
@@ -63,16 +70,17 @@ class Publishers:
         except BenchError:
             self.close()
             raise
+        self._name = {label: topics[label].name for label in self._publishers}
         self._send = {t: p.handle.publish_raw for t, p in self._publishers.items()}
-        self.counts = dict.fromkeys(self._publishers, 0)
-        own = names.get(CLOCK) if CLOCK in self._publishers else None
+        self._every = {t: max(1, _depth(topics[t]) // ACKNOWLEDGE) for t in self._publishers}
+        self.counts = dict.fromkeys(self._name.values(), 0)
         self._clock: Any = None
-        if clock and own != CLOCK:
-            self._clock = self._node.create_publisher(Clock, CLOCK, _qos(False))
+        if clock and all(names[label] != CLOCK for label in self._publishers):
+            self._clock = self._node.create_publisher(Clock, CLOCK, _qos(False, DEPTH))
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """The topics of the bag that are published."""
+        """The labels of the topics that are published."""
         return tuple(self._publishers)
 
     @property
@@ -83,12 +91,13 @@ class Publishers:
     def publish(self, topic: str, data: bytes) -> None:
         """Publish recorded bytes."""
         self._send[topic](data)
-        self.counts[topic] += 1
+        self.counts[self._name[topic]] += 1
 
     def tell_time(self, nanoseconds: int) -> None:
-        """Publish ``nanoseconds`` on /clock."""
+        """Publish ``nanoseconds`` on /clock, as near as it can tell them."""
         message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(nanoseconds, 10**9)
+        seconds, message.clock.nanosec = divmod(nanoseconds, 10**9)
+        message.clock.sec = min(max(seconds, SECONDS[0]), SECONDS[1])
         self._clock.publish(message)
 
     def hold_back(self, topic: str) -> None:
@@ -96,7 +105,7 @@ class Publishers:
 
         A subscriber that does not answer in a second is not waited for again.
         """
-        if self.counts[topic] % ACKNOWLEDGE_EVERY or topic in self._slow:
+        if self.counts[self._name[topic]] % self._every[topic] or topic in self._slow:
             return
         if not self._publishers[topic].wait_for_all_acked(PATIENCE):
             self._slow.add(topic)
@@ -105,10 +114,16 @@ class Publishers:
         """Wait until each of ``names`` has a subscriber; BenchError naming one that has none."""
         deadline = time.monotonic() + seconds
         missing = list(names)
-        while missing := [n for n in missing if not self._node.count_subscribers(n)]:
+        while missing := [n for n in missing if not self._subscribers(n)]:
             if time.monotonic() > deadline:
                 raise BenchError(f"nobody has subscribed to {missing[0]} in {seconds:g} s")
             time.sleep(0.02)
+
+    def _subscribers(self, name: str) -> int:
+        try:
+            return self._node.count_subscribers(name)
+        except InvalidTopicNameException as error:
+            raise BenchError(f"--wait-for {name}: no topic name: {_line(error)}") from None
 
     def close(self) -> None:
         """Wait until subscribers have the last messages, and leave."""
@@ -119,11 +134,17 @@ class Publishers:
         self._context.try_shutdown()
 
     def _make_all(self, topics: Mapping[str, TopicInfo], names: Mapping[str, str]) -> None:
-        for topic, info in topics.items():
+        """Make a publisher for each topic that can be published, of each name's main type first."""
+        made: dict[str, str] = {}
+        for label in sorted(topics, key=lambda label: label != topics[label].name):
+            info, name = topics[label], names[label]
             try:
-                self._publishers[topic] = self._make(message_class(info), names[topic], info)
+                if info.name in made:
+                    raise NotPlayable(f"{info.name} is played as {made[info.name]}")
+                self._publishers[label] = self._make(message_class(info), name, info)
+                made[info.name] = info.msgtype
             except NotPlayable as reason:
-                self.skipped[topic] = str(reason)
+                self.skipped[label] = f"{reason} ({info.count} messages)"
 
     def _make(self, kind: Any, name: str, info: TopicInfo) -> Any:
         try:
@@ -131,9 +152,15 @@ class Publishers:
         except Exception as error:  # whatever loading a generated library raises
             raise NotPlayable(f"{info.msgtype} has no type support here: {error}") from None
         try:
-            publisher = self._node.create_publisher(kind, name, _qos(info.durable))
+            qos = _qos(info.durable, _depth(info))
+            publisher = self._node.create_publisher(kind, name, qos)
         except InvalidTopicNameException as error:
-            raise BenchError(f"'{name}' is no topic name: {' '.join(str(error).split())}") from None
+            if name != info.name:
+                raise BenchError(f"'{name}' is no topic name: {_line(error)}") from None
+            hint = f"rename it, --remap '{name}:={_legal(name)}'"
+            raise NotPlayable(f"no legal topic name: {hint}") from None
+        except Exception as error:  # whatever the middleware refuses
+            raise NotPlayable(f"it cannot be published as {name}: {_line(error)}") from None
         publisher.handle.__enter__()  # kept in use while it lives instead of once a message
         return publisher
 
@@ -144,12 +171,27 @@ class Publishers:
         self.close()
 
 
-def _qos(durable: bool) -> QoSProfile:
-    """Reliable; volatile unless the recorded publisher kept its last message."""
+def _qos(durable: bool, depth: int) -> QoSProfile:
+    """Reliable; volatile unless the recorded publisher kept messages."""
     kept = DurabilityPolicy.TRANSIENT_LOCAL if durable else DurabilityPolicy.VOLATILE
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
-        depth=DEPTH,
+        depth=depth,
         reliability=ReliabilityPolicy.RELIABLE,
         durability=kept,
     )
+
+
+def _depth(info: TopicInfo) -> int:
+    """Return what the recorded publisher kept for late subscribers, where the bag tells it."""
+    return info.depth if info.durable and info.depth else DEPTH
+
+
+def _legal(name: str) -> str:
+    """Return a legal topic name that is like ``name``."""
+    parts = [re.sub(r"\W", "_", part, flags=re.ASCII) for part in name.split("/") if part]
+    return "".join(f"/_{part}" if part[0].isdigit() else f"/{part}" for part in parts) or "/renamed"
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())

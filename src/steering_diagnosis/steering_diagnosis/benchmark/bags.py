@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from steering_bringup.bags import BagWriter, run_metadata
 from steering_bringup.scenario_files import load_node_set
 from steering_core.parameters import ParameterSet
+from steering_diagnosis.benchmark.doors.channel_sets import LACKABLE
 from steering_diagnosis.benchmark.truth.run import Signals
 from steering_diagnosis.data.channels import CHANNELS, COMMANDED, MEASURED
 from steering_diagnosis.data.record import Record
@@ -35,10 +37,18 @@ def topics(signals: Signals, closed: bool) -> dict[str, np.ndarray]:
 
 
 def write_case(
-    folder: Path, signals: Signals, nominal: ParameterSet, system: str, load: str
+    folder: Path,
+    signals: Signals,
+    nominal: ParameterSet,
+    system: str,
+    load: str,
+    lacking: Sequence[str] = (),
 ) -> None:
-    """Write the bag of a case, with the run's metadata as the bench would: nominal, no effects."""
-    columns = topics(signals, system == "closed_centre")
+    """Write the bag of a case, with the run's metadata as the bench would: nominal, no effects.
+
+    lacking: groups of channels (doors.channel_sets) that are not measured.
+    """
+    columns = _without(topics(signals, system == "closed_centre"), lacking)
     types = {topic: TABLE[topic].type_name.replace("/", "/msg/") for topic in columns}
     ticks = np.arange(len(signals.measured), dtype=np.int64)
     rows = {}
@@ -53,6 +63,21 @@ def write_case(
             writer.write_block(ticks[part] * NANOSECONDS_PER_TICK, block)
 
 
+def _without(columns: dict[str, np.ndarray], lacking: Sequence[str]) -> dict[str, np.ndarray]:
+    """Return the topics without what is not measured: NaN, and no topic of which nothing is left.
+
+    That is how a rig's bag has it.
+    """
+    for group in lacking:
+        for channel in LACKABLE[group]:
+            place = CHANNELS[channel]
+            if place.topic in columns:
+                values = columns[place.topic].copy()
+                values[:, wire(place.topic).fields.index(place.field)] = np.nan
+                columns[place.topic] = values
+    return {t: v for t, v in columns.items() if not v.shape[1] or not np.isnan(v).all()}
+
+
 def metadata(nominal: ParameterSet, system: str, load: str) -> dict[str, Any]:
     """Return what the bag says of its run."""
     return run_metadata(
@@ -64,8 +89,8 @@ def metadata(nominal: ParameterSet, system: str, load: str) -> dict[str, Any]:
     )
 
 
-def record_of(signals: Signals, nominal: ParameterSet, system: str, load: str, name: str) -> Record:
-    """Return the record that reading the bag would give, without writing it."""
+def channels_of(signals: Signals, system: str) -> dict[str, np.ndarray]:
+    """Return all channels that a gear of a valve system has, (n,) each, SI."""
     by_topic = topics(signals, system == "closed_centre")
     channels = {}
     for channel, where in CHANNELS.items():
@@ -73,4 +98,10 @@ def record_of(signals: Signals, nominal: ParameterSet, system: str, load: str, n
             column = wire(where.topic).fields.index(where.field)
             channels[channel] = np.ascontiguousarray(by_topic[where.topic][:, column])
     assert set(MEASURED) <= set(channels) <= set(MEASURED) | set(COMMANDED)
+    return channels
+
+
+def record_of(signals: Signals, nominal: ParameterSet, system: str, load: str, name: str) -> Record:
+    """Return the record that reading the bag would give, without writing it."""
+    channels = channels_of(signals, system)
     return Record(system, channels, nominal, name=name, vehicle_load=load)  # type: ignore[arg-type]

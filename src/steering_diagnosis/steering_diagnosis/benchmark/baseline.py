@@ -13,8 +13,11 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from steering_diagnosis.data.bag import record_from_bag
+from steering_diagnosis.data.channels import CHANNELS
+from steering_diagnosis.data.read import read_record
 from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.steering.drive import MOVING
+from steering_diagnosis.steering.smoothing import bridged
 
 CUTOFF_HZ = 15.0
 NAMED_FROM = 0.5
@@ -24,9 +27,9 @@ Column = tuple[str, str, float, float, np.ndarray]
 """Effect, parameter, neutral value, scale of the coefficient's deviation, signature."""
 
 
-def baseline(bag: Path) -> dict[str, Any]:
-    """Return a report's verdict and causes for a bag."""
-    record = record_from_bag(bag)
+def baseline(path: Path, mapping: Path | None = None) -> dict[str, Any]:
+    """Return a report's verdict and causes for a bag, or a file with its mapping."""
+    record = read_record(path, mapping)
     best: tuple[float, str, Column, float, float] | None = None
     for balance, error, columns, tolerances in balances(record):
         own = _left(error, tolerances)
@@ -57,9 +60,12 @@ def baseline(bag: Path) -> dict[str, Any]:
 
 
 def balances(record: Record) -> list[tuple[str, np.ndarray, list[Column], np.ndarray]]:
-    """Return name, error (n,), signatures and tolerance columns (n, k) of each balance."""
+    """Return name, error (n,), signatures and tolerance columns (n, k) of each balance.
+
+    A balance that needs a channel which was not measured is left out.
+    """
     p = record.nominal
-    smooth = {name: _smooth(record[name]) for name in record.channels}
+    smooth = _all_smooth(record)
     x, v, force = (smooth[name] for name in ("rack_position", "rack_speed", "rack_force"))
     angle, omega, torque = (
         smooth[n] for n in ("steering_wheel_angle", "steering_wheel_speed", "torsion_bar_torque")
@@ -118,12 +124,23 @@ def balances(record: Record) -> list[tuple[str, np.ndarray, list[Column], np.nda
     pressed = 0.01 * area * (right - left)
     loss, stack = 0.3 * p["mechanics.rack_damping"] * v, np.column_stack
     loose = 0.15 * (level + slope * (left + right)) * sliding
-    return [
+    found = [
         ("torsion bar", torque - bar * twist, bar_columns, stack([0.03 * torque, 0.13 * one])),
         ("rack force", rack, rack_columns, stack([pressed, 20.0 * one, loose, loss])),
         ("load", load, load_columns, stack([5e-3 * force, 10.0 * one])),
         ("column torque", column, column_columns, stack([0.02 * one])),
     ]
+    return [balance for balance in found if np.isfinite(balance[1]).all()]
+
+
+def _all_smooth(record: Record) -> dict[str, np.ndarray]:
+    """Return every channel, smooth, (n,); NaN where there is none, speeds from their positions."""
+    nothing = np.full(len(record), np.nan)
+    found = {n: _smooth(bridged(record[n])) if n in record else nothing for n in CHANNELS}
+    for position, speed in MOVING.items():
+        if speed not in record and position in record:
+            found[speed] = np.gradient(found[position], PERIOD_S)
+    return found
 
 
 def _smooth(values: np.ndarray) -> np.ndarray:

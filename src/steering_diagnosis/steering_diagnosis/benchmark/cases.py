@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
-from typing import Any, Literal, get_args
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
 from steering_core.parameters import ParameterSet, load_parameters
+from steering_diagnosis.benchmark.doors.channel_sets import lacking_in
+from steering_diagnosis.benchmark.doors.door import ALL_IN_A_BAG, Door
+from steering_diagnosis.benchmark.sealed import KINDS, Sealed, read_sealed
 from steering_diagnosis.benchmark.truth.changes import BOTH, TrueEffect
 from steering_diagnosis.benchmark.truth.course import Course, draw_course
 from steering_diagnosis.benchmark.truth.disturbance import RESOLUTION, disturbance
@@ -29,72 +28,28 @@ from steering_diagnosis.benchmark.truth.outside import OUTSIDE
 from steering_diagnosis.benchmark.truth.run import Signals, run_closed_loop
 from steering_diagnosis.benchmark.truth.singing import sings
 from steering_diagnosis.benchmark.truth.specimen import Specimen, draw_specimen
+from steering_diagnosis.benchmark.view import View, is_visible, seen_as, through, told
 from steering_diagnosis.benchmark.visibility import (
     INVISIBLE,
-    OUTSTANDING,
     Probe,
     Sensitivity,
     catalogue_for,
     sensitivity,
 )
 
-Kind = Literal["clean", "visible", "invisible", "pair", "outside"]
-KINDS: tuple[Kind, ...] = get_args(Kind)
+__all__ = ["KINDS", "Drawn", "Sealed", "draw_case", "read_sealed", "sealed_behind", "seen_as"]
+
 SECONDS = 15.0
 TRIES = 12
 
 
-@dataclass(frozen=True)
-class Sealed:
-    """The truth about a case, which no diagnosis sees.
-
-    sizes: of the hidden effects, in the truth's own terms. parameters: effect to the library's
-    parameters that are judged. neutral: effect to their values without it. mistaken: effect to
-    those that this record cannot tell it from. ratios: signal to noise of each beside the others.
-    """
-
-    case: str
-    kind: Kind
-    seed: int
-    valve_system: str
-    manoeuvre: str
-    load: str
-    sizes: Mapping[str, float] = field(default_factory=dict)
-    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    neutral: Mapping[str, float] = field(default_factory=dict)
-    mistaken: Mapping[str, list[str]] = field(default_factory=dict)
-    ratios: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def hidden(self) -> tuple[str, ...]:
-        """Return the names of what is hidden."""
-        return tuple(self.sizes)
-
-    def write(self, file: Path) -> None:
-        """Write the truth with a hash of itself."""
-        content = asdict(self)
-        file.write_text(json.dumps({"truth": content, "sha256": _digest(content)}, indent=1) + "\n")
-
-
-def read_sealed(file: Path) -> Sealed:
-    """Return the truth of a file; BenchError where somebody has changed it."""
-    try:
-        document = json.loads(file.read_text(encoding="utf-8"))
-        content, digest = document["truth"], document["sha256"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise BenchError(f"'{file}' is no sealed truth: {error}") from None
-    if _digest(content) != digest:
-        raise BenchError(f"'{file}' has been changed since it was sealed: draw the case again")
-    return Sealed(**content)
-
-
-def _digest(content: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
-
-
 @dataclass(frozen=True, repr=False)
 class Drawn:
-    """A case with its signals; holdout: a second manoeuvre of the same specimen."""
+    """A case with its signals.
+
+    holdout: a second manoeuvre of the same specimen. view: what its record shows of what is hidden,
+    None where nothing is.
+    """
 
     sealed: Sealed
     nominal: ParameterSet
@@ -102,6 +57,17 @@ class Drawn:
     specimen: Specimen
     holdout: Signals | None = None
     holdout_load: str = ""
+    view: View | None = None
+
+
+def sealed_behind(drawn: Drawn, door: Door) -> Sealed:
+    """Return the truth about a case that comes in through a door."""
+    lacking = lacking_in(drawn.sealed.valve_system, door.lacking)
+    about = {"kind": door.kind, "lacking": list(lacking), "ways": list(door.logger.ways)}
+    if drawn.view is None or door == ALL_IN_A_BAG:
+        return replace(drawn.sealed, door=about)
+    seen = told(through(drawn.view, door, drawn.signals))
+    return replace(drawn.sealed, door=about, **seen)
 
 
 def draw_case(
@@ -112,17 +78,16 @@ def draw_case(
     effect: hide this one (a pair: this one and another). BenchError for an unknown kind or effect,
     or where it cannot be made visible within its largest size.
     """
-    if kind not in KINDS:
-        raise BenchError(unknown("kind of case", kind, KINDS))
-    random = np.random.default_rng([seed, KINDS.index(kind)])
+    random = _random(kind, seed)
     system, wanted = _wanted(random, kind, effect)
     nominal = load_parameters()
     for _ in range(TRIES):
         course = _course(random, system, wanted, seconds)
         specimen = draw_specimen(nominal, random)
-        sealed = _hide(random, kind, seed, system, course, specimen, nominal, wanted)
-        if sealed is None:
+        found = _hide(random, kind, seed, system, course, specimen, nominal, wanted)
+        if found is None:
             continue
+        sealed, view = found
         made = changed(specimen, nominal, system, sealed.sizes)
         try:
             signals = _record(random, made, nominal, course, system)
@@ -134,8 +99,20 @@ def draw_case(
             continue
         if sings(signals) or (kept is not None and sings(kept)):
             continue
-        return Drawn(sealed, nominal, signals, made, kept, "" if second is None else second.load)
+        load = "" if second is None else second.load
+        return Drawn(sealed, nominal, signals, made, kept, load, view)
     raise BenchError(f"no record of seed {seed} shows {', '.join(wanted)}: take another seed")
+
+
+def system_of(kind: str, seed: int, effect: str | None) -> str:
+    """Return the valve system of a case, without drawing the rest of it."""
+    return _wanted(_random(kind, seed), kind, effect)[0]
+
+
+def _random(kind: str, seed: int) -> np.random.Generator:
+    if kind not in KINDS:
+        raise BenchError(unknown("kind of case", kind, KINDS))
+    return np.random.default_rng([seed, KINDS.index(kind)])
 
 
 def _record(
@@ -194,7 +171,7 @@ def _hide(
     specimen: Specimen,
     nominal: ParameterSet,
     wanted: list[str],
-) -> Sealed | None:
+) -> tuple[Sealed, View | None] | None:
     """Return the sealed truth with drawn sizes, None where this record cannot show them."""
     about: dict[str, Any] = {
         "case": f"{kind}-{seed:06d}",
@@ -205,7 +182,7 @@ def _hide(
         "load": course.load,
     }
     if not wanted:
-        return Sealed(**about)
+        return Sealed(**about), None
     try:
         given = run_closed_loop(specimen, nominal, course, system == "closed_centre")
         probe = Probe(specimen, nominal, system, course, given)
@@ -224,36 +201,18 @@ def _hide(
         found = seen_as(kind, probe, seen, sizes)
     except BenchError:
         return None
-    if kind == "pair" and not all(_visible(e, seen, found[n]) for n, e in hidden.items()):
+    if kind == "pair" and not all(is_visible(e, seen, found[n]) for n, e in hidden.items()):
         return None
     judged = {n: e for n, e in hidden.items() if e.catalogued}
-    return Sealed(
+    view = View(kind, probe, seen, found, hidden, rivals, sizes)
+    sealed = Sealed(
         **about,
         sizes=sizes,
         parameters=equivalents(system, {n: sizes[n] for n in judged}),
         neutral={name: neutral(system, name) for name in judged},
-        mistaken={n: [r for r in seen.mistaken(n, d) if r in rivals] for n, d in found.items()},
-        ratios={name: seen.strength(difference) for name, difference in found.items()},
+        **told(view) | {"unseen": []},
     )
-
-
-def seen_as(
-    kind: str, probe: Probe, seen: Sensitivity, sizes: Mapping[str, float]
-) -> Mapping[str, np.ndarray]:
-    """Return the difference that each effect makes, at its size and beside the others.
-
-    What is too small to be seen is linear; a lag may be too short for these runs' step.
-    """
-    if kind != "invisible":
-        return probe.beside(sizes)
-    return {name: seen.effects[name] * (size / seen.sizes[name]) for name, size in sizes.items()}
-
-
-def _visible(effect: TrueEffect, seen: Sensitivity, difference: np.ndarray) -> bool:
-    """Return whether an effect's difference is visible; without a template it has to stand out."""
-    if not seen.visible(difference):
-        return False
-    return effect.catalogued or seen.outstanding(effect.name, difference) >= OUTSTANDING
+    return sealed, view
 
 
 def _size(
@@ -277,7 +236,7 @@ def _size(
     if effect.kinds:
         low = max(low, typical)
     # The scale is not straight: a tolerance imitates a small size better than a large one.
-    while low <= high and not _visible(effect, seen, probe.effect(effect, sign * low)):
+    while low <= high and not is_visible(effect, seen, probe.effect(effect, sign * low)):
         low *= 1.5
     if low > high:
         return None

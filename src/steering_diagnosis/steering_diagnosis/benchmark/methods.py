@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from steering_core.errors import BenchError
+from steering_diagnosis.benchmark.doors.write import Paths
 
 NAMED = {
     "engine": "steering_diagnosis.benchmark.methods:engine",
@@ -30,21 +31,22 @@ def load_function(text: str) -> Callable[..., Any]:
     return found
 
 
-def call(method: Callable[..., Any], bag: Path, holdout: Path) -> dict[str, Any]:
-    """Return a method's report; the held-out bag goes to those that have a place for it."""
-    more = {"holdout": holdout} if "holdout" in inspect.signature(method).parameters else {}
-    report = method(bag, **more)
+def call(method: Callable[..., Any], at: Paths) -> dict[str, Any]:
+    """Return a method's report; it gets the held-out record and the mapping if it has the place."""
+    places = inspect.signature(method).parameters
+    given = {"holdout": at.holdout, "mapping": at.mapping}
+    report = method(at.record, **{name: path for name, path in given.items() if name in places})
     if not isinstance(report, dict) or not isinstance(report.get("causes", []), list):
         raise BenchError("a method must return a dictionary as report.json has it")
     return report
 
 
-def engine(bag: Path, holdout: Path) -> dict[str, Any]:
+def engine(record: Path, holdout: Path, mapping: Path | None = None) -> dict[str, Any]:
     """Return the report of this project's diagnosis."""
-    from steering_diagnosis.data.bag import record_from_bag
+    from steering_diagnosis.data.read import read_record
 
     diagnose_record = load_function("steering_diagnosis.steering.diagnose_record:diagnose_record")
     diagnosis = diagnose_record(
-        record_from_bag(bag), record_from_bag(holdout), executor=None, progress=None
+        read_record(record, mapping), read_record(holdout, mapping), executor=None, progress=None
     )
     return dict(diagnosis.report.model_dump(mode="json", by_alias=True))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from steering_bringup.pages.page import Page
 from steering_bringup.pages.parts import Card, cards, folded, paragraph, table
+from steering_diagnosis.benchmark.by_door import HEAD, by_door, cells
 from steering_diagnosis.benchmark.scoring import Judgement, Rate
 
 
@@ -29,6 +30,12 @@ def benchmark_page(
     page.add(
         table(("what", "value", "95 % interval", "counted", "target"), [rate_row(r) for r in rates])
     )
+    rows = [cells(row) for row in by_door(judgements)]
+    if rows:
+        page.heading(
+            "By door, channels and logger", "A case counts in one row of each kind or more."
+        )
+        page.add(table(HEAD, rows))
     page.heading("What was hidden, and what was named")
     rows = [
         (row, ", ".join(f"{said} ({n})" for said, n in sorted(counts.items(), key=lambda c: -c[1])))

@@ -10,7 +10,8 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-from steering_diagnosis.benchmark.cases import Sealed
+from steering_diagnosis.benchmark.sealed import Sealed
+from steering_diagnosis.benchmark.visibility import INVISIBLE
 
 PARAMETER_WITHIN = 0.15
 """Error of a parameter over its distance from neutral."""
@@ -27,6 +28,8 @@ class Judgement:
     neither hidden nor, on this record, the same as what is hidden. errors, covered, half_widths:
     of judged parameters "effect.parameter", relative to the distance from neutral. gain: share of
     the held-out error energy above the noise that is gone, None where the report does not say.
+    imitated: what is outside the catalogue looks like what is in it. door, unseen: as the sealed
+    truth has them.
     """
 
     case: str
@@ -45,6 +48,8 @@ class Judgement:
     gain: float | None = None
     seconds: float = 0.0
     failure: str = ""
+    door: Mapping[str, Any] = field(default_factory=dict)
+    unseen: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the judgement as plain data."""
@@ -75,19 +80,37 @@ def judge(report: Mapping[str, Any], sealed: Sealed, seconds: float = 0.0) -> Ju
         alone=tuple(alone),
         wrong=tuple(wrong),
         unexplained=bool(report.get("unexplained")) or report.get("verdict") == "unexplained",
-        imitated=sealed.kind == "outside" and any(sealed.mistaken.values()),
+        imitated=sealed.kind == "outside" and _imitated(sealed),
         errors=errors,
         covered=covered,
         half_widths=half_widths,
         gain=_gain(report) if right and not wrong else None,
         seconds=seconds,
+        door=sealed.door,
+        unseen=tuple(sealed.unseen),
     )
+
+
+def _imitated(sealed: Sealed) -> bool:
+    """Return whether known effects look like what is hidden, alone or several together.
+
+    With all channels nothing is drawn that several imitate; with fewer they may.
+    """
+    together = any(sealed.ratios[name] > INVISIBLE for name in sealed.unseen)
+    return together or any(sealed.mistaken.values())
 
 
 def failed(sealed: Sealed, error: str, seconds: float) -> Judgement:
     """Return the judgement of a method that raised an error: nothing was named."""
     return Judgement(
-        sealed.case, sealed.kind, sealed.hidden, "failed", seconds=seconds, failure=error
+        sealed.case,
+        sealed.kind,
+        sealed.hidden,
+        "failed",
+        seconds=seconds,
+        failure=error,
+        door=sealed.door,
+        unseen=tuple(sealed.unseen),
     )
 
 
@@ -146,13 +169,14 @@ def rates(judgements: Iterable[Judgement]) -> list[Rate]:
     """Return all rates of the benchmark with their targets."""
     by: dict[str, list[Judgement]] = {}
     for j in judgements:
-        by.setdefault(j.kind, []).append(j)
+        by.setdefault("unseen" if j.unseen and not j.imitated else j.kind, []).append(j)
     one, two, none = by.get("visible", []), by.get("pair", []), by.get("clean", [])
     outside = [j for j in by.get("outside", []) if not j.imitated]
     named = [bool(j.right) and not j.wrong for j in one]
     alone = [bool(j.alone) and not j.wrong for j in one]
     both = [set(j.right) == set(j.hidden) and not j.wrong for j in two]
     small = [bool(j.wrong) for j in by.get("invisible", [])]
+    unseen = [bool(j.wrong) for j in by.get("unseen", [])]
     errors = [e for j in one for e in j.errors.values()]
     covered = [c for j in one for c in j.covered.values()]
     widths = [w for j in one for w in j.half_widths.values()]
@@ -167,6 +191,7 @@ def rates(judgements: Iterable[Judgement]) -> list[Rate]:
         _rate("two effects: both named", both, 0.80),
         _rate("clean: a false name", [bool(j.named) for j in none], 1.0 / 300.0, False),
         _rate("too small to be seen: a wrong name", small, 1.0 / 300.0, False),
+        _rate("not shown by its channels: a wrong name", unseen, 1.0 / 300.0, False),
         _rate("outside the catalogue: unexplained", [j.unexplained for j in outside], 0.90),
         _rate("outside the catalogue: a wrong name", [bool(j.wrong) for j in outside], 0.05, False),
         _rate("named: 80 % of the held-out error gone", [g >= GAIN for g in gains], 0.95),
@@ -187,6 +212,7 @@ def confusion(judgements: Iterable[Judgement]) -> dict[str, dict[str, int]]:
     for j in judgements:
         row = j.hidden[0] if len(j.hidden) == 1 and j.kind == "visible" else j.kind
         row = f"outside: {j.hidden[0]}" if j.kind == "outside" else row
+        row = f"not shown: {', '.join(j.unseen)}" if j.unseen else row
         said = sorted(
             {group[0] if len(group) == 1 else " / ".join(sorted(group)) for group in j.named}
         )

@@ -42,8 +42,17 @@ nobody has a template of it."""
 TYRE = "tyre_relaxation"
 """The effect that acts on the load's command alone, which these runs are given."""
 
-CHANNELS = 8
-"""Of a whitened difference: six outputs and two balances."""
+COLUMNS = (
+    "torsion_bar_torque",
+    "left_pressure",
+    "right_pressure",
+    "supply_pressure",
+    "rack_position",
+    "rack_speed",
+    "driver_torque",
+    "load_force",
+)
+"""Of a whitened difference: six outputs, and the balances that two commands make known."""
 
 SCALED = 10.0
 """Typical sizes to which the catalogue's effects may be scaled to imitate what is not in it."""
@@ -51,12 +60,13 @@ SCALED = 10.0
 INVISIBLE = 2.0
 """And below which nobody can see it."""
 
-TELLING = 5.0
-"""Signal-to-noise ratio beside a rival's best imitation below which the two look the same."""
+TELLING, HALF = 5.0, 0.5
+"""Signal-to-noise ratio beside a rival's best imitation below which the two look the same; and
+share of its own that this may be: what can hardly be seen is imitated by everything."""
 
 EVERY = 10
 STEPS = {False: 5, True: 12}
-"""Steps of a tick in these runs, open and closed centre: 200 and 83 us are stable."""
+"""Steps of a tick in these runs, without and with spools in them: 200 and 83 us are stable."""
 
 DRIVER_NOISE, LOAD_NOISE = 0.03, 3.0
 """Of the torque that the column needs [N m], mostly from differentiating, and of the load [N]."""
@@ -64,11 +74,15 @@ DRIVER_NOISE, LOAD_NOISE = 0.03, 3.0
 
 @dataclass(frozen=True, repr=False)
 class Sensitivity:
-    """Whitened differences: effects by name, (rows,) each; nuisances (rows, k)."""
+    """Whitened differences: effects by name, (rows,) each; nuisances (rows, k).
+
+    columns: so many blocks of rows, one below the other.
+    """
 
     effects: Mapping[str, np.ndarray]
     sizes: Mapping[str, float]
     nuisances: np.ndarray
+    columns: int = len(COLUMNS)
 
     def strength(self, difference: np.ndarray) -> float:
         """Return the signal-to-noise ratio of a whitened difference."""
@@ -93,7 +107,7 @@ class Sensitivity:
         columns = np.column_stack([self.nuisances, *rivals])
         gram = columns.T @ columns + np.eye(columns.shape[1])
         left = difference - columns @ np.linalg.solve(gram, columns.T @ difference)
-        return float(np.sqrt(np.mean(left.reshape(CHANNELS, -1) ** 2, axis=1)).max())
+        return float(np.sqrt(np.mean(left.reshape(self.columns, -1) ** 2, axis=1)).max())
 
     def smallest_visible(self, name: str) -> float:
         """Return about the size's magnitude from which an effect is visible: linear in its size."""
@@ -113,8 +127,8 @@ class Sensitivity:
             length = float(np.linalg.norm(r))
             if length < 1e-9:
                 continue
-            left = d - r * float(r @ d) / length**2
-            if np.linalg.norm(left) < TELLING:
+            left = float(np.linalg.norm(d - r * float(r @ d) / length**2))
+            if left < TELLING and left < HALF * np.linalg.norm(d):
                 found.append(rival)
         return found
 
@@ -132,12 +146,22 @@ class Sensitivity:
 
 
 class Probe:
-    """Clamped runs of one record, whitened."""
+    """Clamped runs of one record, whitened.
+
+    pressed: the chambers' pressures are inputs as well, where the valves' commands are not known.
+    """
 
     def __init__(
-        self, specimen: Specimen, nominal: ParameterSet, system: str, course: Course, given: Signals
+        self,
+        specimen: Specimen,
+        nominal: ParameterSet,
+        system: str,
+        course: Course,
+        given: Signals,
+        pressed: bool = False,
     ) -> None:
         self.specimen, self.nominal, self.course, self.given = specimen, nominal, course, given
+        self.pressed = pressed
         self.system, self.closed = system, system == "closed_centre"
         self.base = self.rows(specimen)
 
@@ -146,9 +170,26 @@ class Probe:
 
         The sensors of inputs act inversely: the replay is driven by what they report.
         """
-        felt = self._felt(specimen)
+        return self._run(specimen, self._felt(specimen))
+
+    def shaken(self, *channels: int) -> np.ndarray:
+        """Return what the noise of inputs makes of each column, in units of its own, (8,).
+
+        channels: of the inputs (truth.states). Their noise is held over the rows that count, as it
+        is coloured.
+        """
+        random, true = np.random.default_rng(0), self.given.true.copy()
+        for row in channels:
+            level = WHITE[row] * np.hypot(1.0, COLOURED)
+            drawn = level * random.standard_normal(-(-len(true) // EVERY))
+            true[:, row] += np.repeat(drawn, EVERY)[: len(true)]
+        change = self._run(self.specimen, replace(self.given, true=true)) - self.base
+        return np.asarray(np.std(change.reshape(len(COLUMNS), -1), axis=1))
+
+    def _run(self, specimen: Specimen, felt: Signals) -> np.ndarray:
+        steps = STEPS[self.closed and not self.pressed]
         run = run_clamped(
-            specimen, self.nominal, self.course, felt, self.closed, STEPS[self.closed]
+            specimen, self.nominal, self.course, felt, self.closed, steps, self.pressed
         )
         scale = WHITE * np.hypot(1.0, COLOURED)
         # The angle drives the replay: its noise comes back in the torque.
@@ -188,13 +229,16 @@ class Probe:
         """Return the inputs that must have been true for the same readings on another specimen."""
         true = self.given.true.copy()
         mine, other = self.specimen, specimen
+        chambers = (s.RIGHT_OUT, s.LEFT_OUT) if self.pressed else ()
+        for row in (s.ANGLE_OUT, s.SPEED_OUT, s.FORCE_OUT, *chambers):
+            felt = true[:, row] + _leaking(mine, row, self.given.true)
+            read = felt * mine.sensors[row, 0] + mine.sensors[row, 1]
+            felt = (read - other.sensors[row, 1]) / other.sensors[row, 0]
+            true[:, row] = felt - _leaking(other, row, true)
+        ticks = np.arange(len(true))
         for row in (s.ANGLE_OUT, s.SPEED_OUT, s.FORCE_OUT):
-            read = true[:, row] * mine.sensors[row, 0] + mine.sensors[row, 1]
-            true[:, row] = (read - other.sensors[row, 1]) / other.sensors[row, 0]
-        later = other.delays[s.ANGLE_OUT, 0] - mine.delays[s.ANGLE_OUT, 0]
-        if later != 0.0:
-            ticks = np.arange(len(true))
-            for row in (s.ANGLE_OUT, s.SPEED_OUT):
+            later = other.delays[row, 0] - mine.delays[row, 0]
+            if later != 0.0:
                 true[:, row] = np.interp(ticks + later * 1e3, ticks, true[:, row])
         return replace(self.given, true=true)
 
@@ -205,9 +249,15 @@ class Probe:
         share = 1.0 - np.exp(-self.nominal["vehicle.speed"] * 1e-3 / length)
         force = self.given.true[:, s.FORCE_OUT]
         lagged = lfilter([share], [1.0, share - 1.0], force - force[0]) + force[0]
-        change = np.zeros((len(force), 8))
-        change[:, 7] = (lagged - force) / LOAD_NOISE
+        change = np.zeros((len(force), len(COLUMNS)))
+        change[:, COLUMNS.index("load_force")] = (lagged - force) / LOAD_NOISE
         return change[EVERY // 2 :: EVERY].T.ravel()
+
+
+def _leaking(specimen: Specimen, row: int, true: np.ndarray) -> np.ndarray | float:
+    """Return what the left pressure's sensor has of the right one's signal [Pa]."""
+    share = specimen.extras["crosstalk"] if row == s.LEFT_OUT else 0.0
+    return share * true[:, s.RIGHT_OUT] if share else 0.0
 
 
 def sensitivity(probe: Probe, include: Mapping[str, TrueEffect]) -> Sensitivity:

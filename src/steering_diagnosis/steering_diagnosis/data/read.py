@@ -11,10 +11,11 @@ from steering_core.errors import BenchError
 from steering_core.parameters import ParameterError, ParameterSet, load_parameters
 from steering_diagnosis.data import clocks
 from steering_diagnosis.data.channels import CHANNELS, MEASURED
-from steering_diagnosis.data.foreign import Raw, read_foreign
+from steering_diagnosis.data.foreign import READERS, Raw, read_foreign
 from steering_diagnosis.data.mapping import MappedChannel, Mapping, load_mapping
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.data.resample import Sampled, on_grid, sampled
+from steering_diagnosis.data.ticks import in_ticks
 from steering_diagnosis.data.units import factor, same
 from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 
@@ -28,7 +29,7 @@ def read_record(path: str | Path, mapping: str | Path | None = None) -> Record:
     """
     path = Path(path)
     if mapping is None:
-        if path.suffix.lower() in (".csv", ".mat", ".mf4", ".mdf", ".txt"):
+        if path.suffix.lower() in READERS:
             raise BenchError(f"'{path}' needs a mapping file: --mapping FILE (docs/diagnosis.md)")
         from steering_diagnosis.data.bag import record_from_bag
 
@@ -40,12 +41,12 @@ def record_from_file(path: Path, mapping_path: Path) -> Record:
     """Return the record of a CSV, MATLAB or MDF4 file."""
     mapping, _ = load_mapping(mapping_path)
     raw = read_foreign(path, mapping)
-    notes: list[str] = []
+    notes = list(dict.fromkeys(note for channel in raw.values() for note in channel.about))
+    raw = _with_numbers(raw, path, notes)
     channels = {
-        name: _in_si(name, channel, raw[name], mapping, path, notes)
-        for name, channel in mapping.channels.items()
+        name: _in_si(name, mapping.channels[name], raw[name], mapping, path, notes) for name in raw
     }
-    channels = _on_one_clock(channels, mapping, notes)
+    channels = in_ticks(_on_one_clock(channels, mapping, notes), notes)
     for channel in channels.values():
         notes += channel.findings
     start, count = _span(channels, path)
@@ -74,24 +75,51 @@ def sha256(path: Path) -> str:
     return digest.hexdigest()
 
 
+def _with_numbers(raw: dict[str, Raw], path: Path, notes: list[str]) -> dict[str, Raw]:
+    """Return the channels that have a number at all; the others are told, as not measured."""
+    found = {name: channel for name, channel in raw.items() if np.isfinite(channel.values).any()}
+    told = []
+    for name, channel in raw.items():
+        if name not in found:
+            why = "; ".join(channel.notes) or f"none of {len(channel.values)} samples is one"
+            told.append(f"{name}: left out, there is no number in it: {why}")
+    if not found:
+        raise BenchError(f"'{path}': {'; '.join(told)}")
+    notes += told
+    return found
+
+
 def _in_si(
     name: str, channel: MappedChannel, raw: Raw, mapping: Mapping, path: Path, notes: list[str]
 ) -> Sampled:
     """Return a channel in SI with the bench's sign, on its own clock in seconds."""
     unit = CHANNELS[name].unit
-    if raw.unit and channel.scale == 1.0 and not same(raw.unit, channel.unit, unit):
+    notes += [f"{name}: {note}" for note in raw.notes]
+    if not channel.unit:
+        if not raw.unit:
+            raise BenchError(f"{path}: {name}: the file has no unit: give 'unit' in the mapping")
+        notes.append(f"{name}: in '{raw.unit}', as the file says")
+    elif raw.unit and channel.scale == 1.0 and not same(raw.unit, channel.unit, unit):
         notes.append(
             f"{name}: the file says its unit is '{raw.unit}', the mapping '{channel.unit}': "
             "the mapping was followed"
         )
-    to_si = factor(channel.unit, unit, f"{path}: {name}")
+    to_si = factor(channel.unit or raw.unit, unit, f"{path}: {name}")
     values = channel.sign * to_si * (channel.scale * raw.values + channel.offset)
-    return sampled(name, _time(raw, mapping, path) - channel.delay, values)
+    time = _time(raw, mapping, path, notes) - channel.delay
+    return sampled(name, time, values, raw.lost, raw.lines)
 
 
-def _time(raw: Raw, mapping: Mapping, path: Path) -> np.ndarray:
+def _time(raw: Raw, mapping: Mapping, path: Path, notes: list[str]) -> np.ndarray:
+    """Return the instants [s]; the mapping's unit goes before the file's, which is told."""
     if raw.time is not None:
-        return raw.time * factor(mapping.time_unit, "s", f"{path}: time")
+        given = "time_unit" in mapping.model_fields_set
+        unit = mapping.time_unit if given or not raw.time_unit else raw.time_unit
+        if raw.time_unit and not same(raw.time_unit, unit, "s"):
+            note = f"the file says its time is in '{raw.time_unit}', the mapping '{unit}'"
+            if f"{note}: the mapping was followed" not in notes:
+                notes.append(f"{note}: the mapping was followed")
+        return raw.time * factor(unit, "s", f"{path}: time")
     if mapping.rate is None:
         raise BenchError(f"'{path}' has no time: name its column with 'time', or give 'rate' in Hz")
     return np.arange(len(raw.values)) / mapping.rate

@@ -13,8 +13,17 @@ from steering_diagnosis.data.record import PERIOD_S
 GAP_PERIODS = 4.0
 """A pause longer than so many of a channel's own periods is a gap and is not bridged."""
 
+ROUNDING_S = 1e-6
+"""Within it an instant is a sample's own, on a clock that counts the seconds since 1970 as well."""
+
 JITTER_SHARE = 0.05
 FEWEST_SAMPLES = 200
+
+MOST_REPEATED = 0.5
+"""Share of repeated instants beyond which a time has lost its last digits."""
+
+COVERED_TWICE = 20
+"""So many samples in one stretch of time, before and after it went back, are two measurements."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -28,25 +37,49 @@ class Sampled:
     period: float = field(default=PERIOD_S)
 
 
-def sampled(name: str, time: np.ndarray, values: np.ndarray) -> Sampled:
+def sampled(
+    name: str,
+    time: np.ndarray,
+    values: np.ndarray,
+    lost: str = "",
+    lines: np.ndarray | None = None,
+) -> Sampled:
     """Return a channel in the order of its time, without repeated instants and non-numbers.
 
-    Raises BenchError where fewer than 200 samples are left.
+    lost: why there are non-numbers, a few words; lines: (n,) each sample's line in a text file.
+    Raises BenchError where fewer than 200 samples are left, where most instants are repeated, or
+    where time starts again over a stretch that it has covered.
     """
     findings = []
     finite = np.isfinite(time) & np.isfinite(values)
-    lost = int(np.count_nonzero(~finite))
-    if lost:
-        findings.append(f"{name}: {lost} of {len(values)} samples are no numbers: left out")
-    time, values = time[finite], values[finite]
-    if np.any(np.diff(time) <= 0.0):
+    gone = int(np.count_nonzero(~finite))
+    if gone:
+        why = f" ({lost})" if lost else ""
+        findings.append(f"{name}: {gone} of {len(values)} samples are no numbers{why}: left out")
+    place = np.arange(1, len(time) + 1) if lines is None else lines
+    time, values, place = time[finite], values[finite], place[finite]
+    still = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(still):
+        at = f"{'sample' if lines is None else 'line'} {place[still[0] + 1]}"
+        if (again := _covered_twice(time)) is not None:
+            at = f"{'sample' if lines is None else 'line'} {place[again]}"
+            raise BenchError(
+                f"{name}: time starts again at {at} ({time[again]:.6g} s after "
+                f"{time[again - 1]:.6g} s): these are two measurements, give one"
+            )
         order = np.argsort(time, kind="stable")
         backwards = int(np.count_nonzero(np.diff(time) < 0.0))
         time, first = np.unique(time[order], return_index=True)
         dropped = len(values) - len(time)
+        if dropped > MOST_REPEATED * len(values):
+            raise BenchError(
+                f"{name}: {dropped} of {len(values)} instants repeat the one before them (first: "
+                f"{at}): the time has lost its last digits, or has the wrong unit"
+            )
         values = values[order][first]
         findings.append(
-            f"{name}: time went back {backwards} times, {dropped} repeated instants left out"
+            f"{name}: time went back {backwards} times, {dropped} repeated instants left out "
+            f"(first: {at})"
         )
     if len(values) < FEWEST_SAMPLES:
         raise BenchError(
@@ -57,6 +90,24 @@ def sampled(name: str, time: np.ndarray, values: np.ndarray) -> Sampled:
     findings += _timing(name, time, period)
     findings += _values(name, values)
     return Sampled(name, time, values, tuple(findings), period)
+
+
+def _covered_twice(time: np.ndarray) -> int | None:
+    """Return the index at which time goes back and runs through the same again; None if nowhere.
+
+    Samples that come a little late, and parts in the wrong order, only need to be sorted.
+    """
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(time) < 0.0) + 1])
+    ends = np.concatenate([starts[1:], [len(time)]])
+    for start, end in zip(starts[1:], ends[1:], strict=True):
+        if end - start < COVERED_TWICE:
+            continue
+        before, run = time[:start], time[start:end]
+        low, high = max(before.min(), run[0]), min(before.max(), run[-1])
+        both = (np.count_nonzero((part >= low) & (part <= high)) for part in (before, run))
+        if min(both) >= COVERED_TWICE:
+            return int(start)
+    return None
 
 
 def _timing(name: str, time: np.ndarray, period: float) -> list[str]:
@@ -110,13 +161,13 @@ def on_grid(channel: Sampled, start: float, count: int) -> np.ndarray:
     if channel.period < 0.7 * PERIOD_S:
         time, values = _slowed(channel)
     grid = start + np.arange(count) * PERIOD_S
-    # A microsecond of rounding at the ends loses no sample.
     within = np.clip(grid, time[0], time[-1])
-    result = np.where(np.abs(grid - within) < 1e-6, np.interp(within, time, values), np.nan)
+    result = np.where(np.abs(grid - within) < ROUNDING_S, np.interp(within, time, values), np.nan)
     reach = GAP_PERIODS * max(channel.period, PERIOD_S if channel.period < PERIOD_S else 0.0)
     after = np.clip(np.searchsorted(time, grid, side="left"), 1, len(time) - 1)
     inside = time[after] - time[after - 1] > reach
-    exact = np.isclose(grid, time[after]) | np.isclose(grid, time[after - 1])
+    nearest = np.minimum(np.abs(grid - time[after]), np.abs(grid - time[after - 1]))
+    exact = nearest < ROUNDING_S
     result[inside & ~exact] = np.nan
     return result
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from steering_diagnosis.engine.equations import gram_of
 from steering_diagnosis.engine.findings import Region
-from steering_diagnosis.engine.fit import gram_of
 from steering_diagnosis.engine.remaining import within_tolerance
 from steering_diagnosis.engine.search import Search
 from steering_diagnosis.engine.structure import band

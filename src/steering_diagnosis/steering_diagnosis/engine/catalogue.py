@@ -16,6 +16,9 @@ from steering_diagnosis.engine.model import (
     Replay,
 )
 
+FURTHEST = 2.0
+"""A nuisance stays within its tolerance, two standard deviations: beyond, it is a cause."""
+
 PREFIX = "parameter:"
 """Of the hypothesis that a nominal parameter is wrong."""
 
@@ -36,6 +39,34 @@ class Catalogue:
         return np.array([0.5 * n.tolerance for n in self.nuisances])
 
     @cached_property
+    def least(self) -> np.ndarray:
+        """Lower ends of the nuisances' physical ranges [standard deviations], (p,)."""
+        return (np.array([n.low - n.nominal for n in self.nuisances])) / self.deviation
+
+    @cached_property
+    def most(self) -> np.ndarray:
+        """Upper ends of the nuisances' physical ranges [standard deviations], (p,)."""
+        return (np.array([n.high - n.nominal for n in self.nuisances])) / self.deviation
+
+    @cached_property
+    def lowest(self) -> np.ndarray:
+        """Least nuisances that a fit may take: of tolerance and physical range, (p,)."""
+        return np.maximum(self.least, -FURTHEST)
+
+    @cached_property
+    def highest(self) -> np.ndarray:
+        """Largest nuisances that a fit may take: of tolerance and physical range, (p,)."""
+        return np.minimum(self.most, FURTHEST)
+
+    def inside(self, z: np.ndarray) -> np.ndarray:
+        """Return nuisances with what a step has rounded over their ends put back, (p,)."""
+        return np.clip(z, self.lowest, self.highest)
+
+    def step(self, z: np.ndarray, i: int, size: float) -> float:
+        """Return a step of nuisance ``i`` for differences, the other way where no room is left."""
+        return room_for(size, z[i], self.least[i], self.most[i])
+
+    @cached_property
     def index(self) -> dict[str, int]:
         """Return the position of each nuisance."""
         return {n.name: i for i, n in enumerate(self.nuisances)}
@@ -50,20 +81,25 @@ class Catalogue:
         return sorted(self.index[n] for n in names if n in self.index)
 
     def call(self, z: np.ndarray, values: Values) -> Call:
-        """Return the call for nuisances ``z`` [standard deviations] and active hypotheses."""
+        """Return the call for nuisances ``z`` [standard deviations] and active hypotheses.
+
+        Every value that a replay is asked for is made here, within its physical range.
+        """
         absolute = {
-            n.name: n.nominal + z[i] * self.deviation[i]
+            n.name: _within(n.nominal + z[i] * self.deviation[i], n.low, n.high)
             for i, n in enumerate(self.nuisances)
             if z[i] != 0.0
         }
         effects = {}
         for name, value in values.items():
             nuisance = self.nuisance_of(name)
+            parameters = self.hypotheses[name].parameters
+            inside = [_within(v, p.low, p.high) for p, v in zip(parameters, value, strict=True)]
+            given = {p.name: v - p.turned(v) for p, v in zip(parameters, inside, strict=True)}
             if nuisance is None:
-                parameters = self.hypotheses[name].parameters
-                effects[name] = {p.name: float(v) for p, v in zip(parameters, value, strict=True)}
+                effects[name] = given
             else:
-                absolute[nuisance] = float(value[0])
+                absolute[nuisance] = given[nuisance]
         return Call(absolute, effects)
 
 
@@ -86,9 +122,9 @@ def _wrong_parameter(n: Nuisance, balance: str) -> Hypothesis:
     if n.nominal != 0.0 and abs(n.nominal) < reach:
         # A positive parameter stays positive.
         low, high = sorted((0.02 * n.nominal, n.nominal * (1.0 + reach / abs(n.nominal))))
-    parameter = HypothesisParameter(
-        n.name, n.unit, n.nominal, low, high, n.nominal + 2.0 * n.tolerance
-    )
+    low, high = max(low, n.low), min(high, n.high)
+    step = room_for(2.0 * n.tolerance, n.nominal, low, high)
+    parameter = HypothesisParameter(n.name, n.unit, n.nominal, low, high, n.nominal + step)
     return Hypothesis(
         PREFIX + n.name,
         f"the nominal value of {n.name} is wrong",
@@ -97,6 +133,19 @@ def _wrong_parameter(n: Nuisance, balance: str) -> Hypothesis:
         competes=(n.name,),
         replaces=(n.name,),
     )
+
+
+def room_for(step: float, value: float, low: float, high: float) -> float:
+    """Return a step from ``value`` that ends in its range: the other way, or as far as it goes."""
+    for taken in (step, -step):
+        if low <= value + taken <= high:
+            return taken
+    up, down = high - value, low - value
+    return up if up >= -down else down
+
+
+def _within(value: float, low: float, high: float) -> float:
+    return float(min(max(value, low), high))
 
 
 def scale(p: HypothesisParameter) -> float:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from steering_diagnosis.engine.agreement import records_apart
 from steering_diagnosis.engine.ambiguity import Comparison, as_good, compare
+from steering_diagnosis.engine.ends import pressed
 from steering_diagnosis.engine.evidence import Evidence, HeldOut
 from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Region, Rms
 from steering_diagnosis.engine.fit import Fit
@@ -54,9 +56,10 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     causes = _causes(search, best, evidence, rivals, block, held_noise)
     least = problem.settings.least_unexplained
     regions = [r for left in kept.left for r in left.regions(least)] or list(kept.against)
+    ends = pressed(search, best)
     if not regions and not causes:
         apart = records_apart(search, noise)
-        regions = [apart] if apart else []
+        regions = [apart] if apart else [end.region for end in ends]
     undecidable = _undecidable(search)
     book = problem.book
     call, call0 = book.call(best.z, best.values), book.call(null.z, null.values)
@@ -82,7 +85,7 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         residual_nominal=nominal,
         residual_refitted=null.residual,
         residual_extended=best.residual,
-        notes=kept.notes,
+        notes=(*kept.notes, *(end.text for end in ends), *_not_tried(search)),
     )
 
 
@@ -145,7 +148,11 @@ def _rivals(search: Search, best: Fit, cause: str, block: np.ndarray) -> list[Co
     search.extended(base, search.problem.settings.refitted)
     names = [n for n in search.fits if len(n) == len(best.names) and n - best.names]
     others = [search.fits[n] for n in names if n > base.names and cause not in n]
-    return [compare(search.problem, best, other, cause, block) for other in others]
+    compared = [
+        search.tried(f.names, partial(compare, search.problem, best, f, cause, block))
+        for f in others
+    ]
+    return [c for c in compared if c]
 
 
 def _causes(
@@ -220,7 +227,7 @@ def _losers(
     evidence: Mapping[str, Evidence],
     rivals: Mapping[str, list[Comparison]],
 ) -> tuple[Loser, ...]:
-    """Return every hypothesis that was weighed and not named, best first."""
+    """Return every hypothesis that was weighed and not named, best first, and what failed."""
     found: dict[str, Loser] = {}
     for cause, compared in rivals.items():
         for c in compared:
@@ -231,13 +238,26 @@ def _losers(
         if name in best.names or name in found:
             continue
         fit = search.fits.get(best.names | {name})
-        why = search.weigh(best, fit).why_not if fit else "adds too little to what is found"
+        weighed = fit and search.tried(fit.names, partial(search.weigh, best, fit))
+        why = weighed.why_not if weighed else "adds too little to what is found"
         found[name] = Loser(name, score.gain, why or "not kept by the search")
     for score in search.scores(search.null):
         if score.hypothesis not in best.names:
             text = "explains less than what is named" if best.names else "explains too little"
             found.setdefault(score.hypothesis, Loser(score.hypothesis, score.gain, text))
+    for names, why in search.failed.items():
+        for name in names - best.names:
+            if len(names) == 1 or name not in found:
+                found[name] = Loser(name, 0.0, f"could not be tried: {why}")
     return tuple(sorted(found.values(), key=lambda r: (-r.score, r.hypothesis)))
+
+
+def _not_tried(search: Search) -> list[str]:
+    """Return a note for each model that could not be evaluated."""
+    return [
+        f"could not be tried: {' and '.join(sorted(names))}: {why}"
+        for names, why in search.failed.items()
+    ]
 
 
 def _verdict(causes: tuple[NamedCause, ...], visible: bool, blind: bool) -> Verdict:

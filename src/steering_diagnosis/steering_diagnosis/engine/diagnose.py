@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
+from contextlib import contextmanager
 
 import numpy as np
 
+from steering_core.errors import BenchError
 from steering_diagnosis.engine.catalogue import Catalogue, catalogue
 from steering_diagnosis.engine.conclude import conclude
-from steering_diagnosis.engine.evaluate import Call, Evaluator
+from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.evidence import HeldOut
+from steering_diagnosis.engine.failures import NUMERICAL, GivenUpError, reason
 from steering_diagnosis.engine.findings import Findings
 from steering_diagnosis.engine.fit import Problem, nominal
 from steering_diagnosis.engine.model import Replay
@@ -34,13 +37,35 @@ def diagnose(
     """Find the causes of the replay's error, or say what cannot be explained.
 
     holdout: the same model bound to another record; without it, blocks of the record are held out.
-    executor: where replays run; replays are pickled to it. BenchError: too few samples.
+    executor: where replays run; replays are pickled to it. BenchError: too few samples, or the
+    nominal model cannot follow the record. A model with causes that cannot is told and left out.
     """
     tell = progress or (lambda share, text: None)
     search, block = begin(fit, holdout, executor=executor, progress=tell, settings=settings)
-    findings = conclude(search, search.best(), block)
+    with _nominal():
+        findings = _concluded(search, block)
     tell(1.0, "done")
     return findings
+
+
+def _concluded(search: Search, block: np.ndarray) -> Findings:
+    """Return what the best model says that can be judged from end to end."""
+    while True:
+        try:
+            best = search.best()
+            with search.judging(best.names):
+                return conclude(search, best, block)
+        except GivenUpError as error:
+            search.begin_without(error)
+
+
+@contextmanager
+def _nominal() -> Iterator[None]:
+    """Say of what no model with causes is to blame for that the nominal one fails."""
+    try:
+        yield
+    except NUMERICAL as error:
+        raise BenchError(f"the nominal model cannot be judged: {reason(error)}") from error
 
 
 def begin(
@@ -63,12 +88,12 @@ def begin(
     runs = Evaluator(
         fit, grid, executor, lambda calls: tell(min(0.98, calls / expected), "replaying")
     )
-    base = runs.one(Call())
+    base = runs.base
     nuisance = nuisance_columns(runs, book, base)
-    trials = templates(runs, book, base, nuisance, settings.shape_grid)
+    trials, failed = templates(runs, book, base, nuisance, settings.shape_grid)
     block = blocks(len(base), grid.step_s, settings)
     out = held_out(block, settings.held_out_every) if holdout is None else np.zeros(len(base), bool)
-    valid = np.isfinite(base)
+    valid = runs.valid
     problem = Problem(
         runs=runs,
         book=book,
@@ -83,9 +108,15 @@ def begin(
         if holdout is None
         else _second_record(holdout, settings, executor)
     )
-    null = nominal(problem)
-    search = Search(problem, held, trials, null, lambda name: tell(_share(runs, expected), name))
-    return search, block
+    with _nominal():
+        return Search(
+            problem,
+            held,
+            trials,
+            nominal(problem),
+            lambda name: tell(_share(runs, expected), name),
+            failed={frozenset({name}): why for name, why in failed.items()},
+        ), block
 
 
 def resolution(
@@ -109,7 +140,7 @@ def resolution(
 def _second_record(replay: Replay, settings: Settings, executor: Executor | None) -> HeldOut:
     grid = sampling(_length(replay), replay.period_s, settings)
     runs = Evaluator(replay, grid, executor)
-    valid = np.isfinite(runs.one(Call()))
+    valid = runs.valid
     n = len(valid)
     block, moment = blocks(n, grid.step_s, settings), moments(n, grid.step_s, settings)
     return HeldOut(runs, valid, block, valid, moment)

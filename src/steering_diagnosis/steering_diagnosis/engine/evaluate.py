@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from steering_core.errors import BenchError
+from steering_diagnosis.engine.failures import OF_A_REPLAY, CandidateError, reason
 from steering_diagnosis.engine.model import Effects, Replay
 from steering_diagnosis.engine.sampling import Sampling
 
 CHUNK = 4
 """Calls per task: the replay travels with each task."""
+
+LARGEST = 1e50
+"""Residual [SI] from which a model diverges: sums of its squares in any unit are still numbers."""
 
 
 @dataclass(frozen=True)
@@ -30,9 +35,32 @@ class Call:
         return (tuple(sorted(self.nuisances.items())), tuple(effects))
 
 
-def evaluate(replay: Replay, grid: Sampling, calls: Sequence[Call]) -> list[np.ndarray]:
-    """Return the decimated residuals of the calls, (n, outputs) each; runs in workers."""
-    return [grid.reduce(replay.residuals(c.nuisances, c.effects)) for c in calls]
+@dataclass(frozen=True)
+class Failed:
+    """In the place of residuals: why a call gave none."""
+
+    why: str
+
+
+Answer = np.ndarray | Failed
+
+
+def evaluate(replay: Replay, grid: Sampling, calls: Sequence[Call]) -> list[Answer]:
+    """Return the decimated residuals of the calls, (n, outputs) each; runs in workers.
+
+    A call that fails costs none of the others.
+    """
+    return [_answer(replay, grid, call) for call in calls]
+
+
+def _answer(replay: Replay, grid: Sampling, call: Call) -> Answer:
+    try:
+        raw = replay.residuals(call.nuisances, call.effects)
+    except OF_A_REPLAY as error:
+        return Failed(reason(error))
+    if np.any(np.abs(raw) > LARGEST):
+        return Failed("its error grows beyond all numbers")
+    return grid.reduce(raw)
 
 
 class Evaluator:
@@ -50,8 +78,23 @@ class Evaluator:
         self.calls = 0
         self._executor = executor
         self._on_call = on_call
-        self._last: dict[tuple[object, ...], np.ndarray] = {}
+        self._last: dict[tuple[object, ...], Answer] = {}
         self._shaken: dict[tuple[object, ...], np.ndarray] = {}
+
+    @cached_property
+    def base(self) -> np.ndarray:
+        """Residuals of the nominal model, (n, outputs). BenchError: it cannot be replayed."""
+        found = self.answers([Call()])[0]
+        if isinstance(found, Failed):
+            raise BenchError(f"the nominal model cannot follow the record: {found.why}")
+        if not np.isfinite(found).any():
+            raise BenchError("the nominal model gives no number anywhere in the record")
+        return found
+
+    @cached_property
+    def valid(self) -> np.ndarray:
+        """Where the nominal model gives a number, and every other model has to, (n, outputs)."""
+        return np.isfinite(self.base)
 
     @property
     def shaken(self) -> np.ndarray:
@@ -61,7 +104,10 @@ class Evaluator:
     def shaken_in(self, call: Call) -> np.ndarray:
         """Return the same in another model, (n, outputs), unknown samples zero."""
         if call.key not in self._shaken:
-            changed = self.replay.shaken(call.nuisances, call.effects)
+            try:
+                changed = self.replay.shaken(call.nuisances, call.effects)
+            except OF_A_REPLAY as error:
+                raise CandidateError(reason(error)) from None
             self._shaken[call.key] = np.nan_to_num(self.grid.reduce(changed))
         return self._shaken[call.key]
 
@@ -72,21 +118,34 @@ class Evaluator:
         return self.replay.noise() ** 2 * min(band, 1.0)
 
     def one(self, call: Call) -> np.ndarray:
-        """Return the residual of one call, (n, outputs)."""
-        return self.many([call])[0]
+        """Return the residual of one call, (n, outputs). CandidateError: there is none."""
+        found = self.answers([call])[0]
+        if isinstance(found, Failed):
+            raise CandidateError(found.why)
+        return found
 
-    def many(self, calls: Sequence[Call]) -> list[np.ndarray]:
-        """Return the residuals of several calls, in their order."""
+    def answers(self, calls: Sequence[Call]) -> list[Answer]:
+        """Return the residuals of several calls, or why there are none, in their order."""
         todo = list({c.key: c for c in calls if c.key not in self._last}.values())
         found = {k: self._last[k] for k in (c.key for c in calls) if k in self._last}
         for part, values in self._run(todo):
-            found.update(zip((c.key for c in part), values, strict=True))
+            for call, value in zip(part, values, strict=True):
+                found[call.key] = self._judged(call, value)
             self.calls += len(part)
             self._on_call(self.calls)
         self._last = {**self._last, **found} if len(self._last) < 64 else found
         return [found[c.key] for c in calls]
 
-    def _run(self, calls: list[Call]):  # type: ignore[no-untyped-def]
+    def _judged(self, call: Call, value: Answer) -> Answer:
+        """Return an answer; a failure where there is no number although the nominal model has."""
+        if isinstance(value, Failed) or call.key == Call().key:
+            return value
+        missing = np.count_nonzero(self.valid & ~np.isfinite(value))
+        if not missing:
+            return value
+        return Failed(f"it gives no number at {missing} samples where the nominal model does")
+
+    def _run(self, calls: list[Call]) -> Iterator[tuple[list[Call], list[Answer]]]:
         if self._executor is None or len(calls) < 2:
             for call in calls:
                 yield [call], evaluate(self.replay, self.grid, [call])

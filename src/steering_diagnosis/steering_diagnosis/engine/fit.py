@@ -12,14 +12,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
-from steering_diagnosis.engine.catalogue import Catalogue, Values, bounds, scales
-from steering_diagnosis.engine.evaluate import Evaluator
-from steering_diagnosis.engine.kernels.gram import gram as gram_kernel
+from steering_diagnosis.engine.catalogue import Catalogue, Values, bounds, room_for, scales
+from steering_diagnosis.engine.equations import ROUNDED, bounded, gram_of
+from steering_diagnosis.engine.evaluate import Call, Evaluator, Failed
+from steering_diagnosis.engine.failures import NUMERICAL, CandidateError
 from steering_diagnosis.engine.noise import Noise, fit_noise, usable
 from steering_diagnosis.engine.settings import Settings
-from steering_diagnosis.engine.templates import Template
+from steering_diagnosis.engine.templates import Template, secants
 
 STEP = 0.05
 """Step of the hypotheses' differences, in typical sizes."""
@@ -31,8 +31,6 @@ WHITE_STEPS = 6
 """Steps under white noise at most."""
 SMALL = 0.5
 """Gain in twice the log-likelihood at which the iteration ends."""
-FURTHEST = 2.0
-"""A nuisance stays within its tolerance, two standard deviations: beyond, it is a cause."""
 
 
 @dataclass(frozen=True)
@@ -98,12 +96,19 @@ class Fit:
 
 
 def assess(problem: Problem, z: np.ndarray, values: Values, residual: np.ndarray) -> Fit:
-    """Return the fit at given parameters, in the common noise or in its own."""
-    noise, prior = problem.common, float(z @ z)
+    """Return the fit at given parameters, in the common noise or in its own.
+
+    CandidateError: its misfit is no number.
+    """
+    noise = problem.common
     if noise is None:
         noise = problem.noise(residual)
-        return Fit(z, values, residual, noise, noise.misfit + prior)
-    return Fit(z, values, residual, noise, energy(problem, noise, residual) + prior)
+        found = noise.misfit
+    else:
+        found = energy(problem, noise, residual)
+    if not np.isfinite(found):
+        raise CandidateError("its misfit is no number")
+    return Fit(z, values, residual, noise, found + float(z @ z))
 
 
 def energy(problem: Problem, noise: Noise, residual: np.ndarray) -> float:
@@ -125,7 +130,8 @@ def refit(
 ) -> Fit:
     """Fit nuisances and the parameters of the active hypotheses, from a starting point.
 
-    thorough: renew the columns of all nuisances, not only of those that matter most.
+    thorough: renew the columns of all nuisances, not only of those that matter most. Raises one of
+    NUMERICAL where the model cannot be replayed there.
     """
     z = held(problem.book, z, values)
     now = assess(problem, z, values, problem.residual(z, values))
@@ -160,8 +166,11 @@ def settled(problem: Problem, z: np.ndarray, values: Values, promised: float = n
     direct = refit(problem, z, values)
     if direct.misfit < promised:
         return direct
-    start = _white_start(problem, z, values, _own_white)
-    other = refit(problem, start.z, start.values)
+    try:
+        start = _white_start(problem, z, values, _own_white)
+        other = refit(problem, start.z, start.values)
+    except NUMERICAL:
+        return direct
     return min(direct, other, key=misfit)
 
 
@@ -169,12 +178,18 @@ def nominal(problem: Problem) -> Fit:
     """Return the best fit of the nominal model, against which every cause is weighed.
 
     From nominal itself, and from where white noise leads: of each output's own size, and of the
-    size of what changes from sample to sample.
+    size of what changes from sample to sample. A start that cannot be replayed costs itself alone.
     """
     none = np.zeros(len(problem.book.nuisances))
-    starts = [none, *(_white_start(problem, none, {}, n).z for n in (_own_white, _fine))]
     most = 2 * problem.settings.iterations
-    return min((refit(problem, z, {}, most) for z in starts), key=misfit)
+    found = refit(problem, none, {}, most)
+    for noise_of in (_own_white, _fine):
+        try:
+            start = _white_start(problem, none, {}, noise_of)
+            found = min(found, refit(problem, start.z, {}, most), key=misfit)
+        except NUMERICAL:
+            continue
+    return found
 
 
 def _own_white(problem: Problem, fit: Fit) -> Noise:
@@ -226,23 +241,32 @@ def held(book: Catalogue, z: np.ndarray, values: Values) -> np.ndarray:
 
 
 def renew(problem: Problem, now: Fit) -> dict[str, np.ndarray]:
-    """Return the columns of the active hypotheses at the present point, per typical size."""
+    """Return the columns of the active hypotheses at the present point, per typical size.
+
+    A step that cannot be replayed is taken the other way; CandidateError where neither can.
+    """
     book = problem.book
-    calls, keys = [], []
+
+    def moved(name: str, i: int, step: float) -> Call:
+        value = now.values[name].copy()
+        value[i] += step
+        return book.call(now.z, {**now.values, name: value})
+
+    steps = {}
     for name, value in now.values.items():
         h = book.hypotheses[name]
         low, high = bounds(h)
         for i, size in enumerate(scales(h)):
-            step = STEP * size if value[i] + STEP * size <= high[i] else -STEP * size
-            if value[i] + step < low[i]:
-                step = 0.5 * (high[i] - low[i])
-            moved = value.copy()
-            moved[i] += step
-            calls.append(book.call(now.z, {**now.values, name: moved}))
-            keys.append((name, step / size))
+            steps[name, i] = room_for(STEP * size, value[i], low[i], high[i]), size
+    answers = problem.runs.answers([moved(*at, step) for at, (step, _) in steps.items()])
     found: dict[str, list[np.ndarray]] = {}
-    for (name, step), r in zip(keys, problem.runs.many(calls), strict=True):
-        found.setdefault(name, []).append((problem.known(r) - now.residual) / step)
+    for ((name, i), (step, size)), answer in zip(steps.items(), answers, strict=True):
+        if isinstance(answer, Failed):
+            p = book.hypotheses[name].parameters[i]
+            step = room_for(-step, now.values[name][i], p.low, p.high)
+            answer = problem.runs.one(moved(name, i, step))
+        change = problem.known(answer) - now.residual
+        found.setdefault(name, []).append(change / (step / size) if step else 0.0 * change)
     return {name: np.stack(parts, axis=-1) for name, parts in found.items()}
 
 
@@ -256,11 +280,10 @@ def renew_nuisances(
     """Return the nuisances' columns, those renewed that the hypotheses trade with, or all."""
     p = len(now.z)
     chosen = range(p) if thorough else _traded(problem, now, columns, nuisance)
-    steps = np.eye(p)
-    calls = [problem.book.call(now.z + STEP_Z * steps[i], now.values) for i in chosen]
     fresh = nuisance.copy()
-    for i, r in zip(chosen, problem.runs.many(calls), strict=True):
-        fresh[..., i] = (problem.known(r) - now.residual) / STEP_Z
+    stepped = secants(problem.runs, problem.book, now.z, now.values, chosen, STEP_Z)
+    for i, (moved, step) in stepped.items():
+        fresh[..., i] = (problem.known(moved) - now.residual) / step
     return fresh
 
 
@@ -292,15 +315,15 @@ def gauss_newton(
     gram[np.arange(p), np.arange(p)] += 1.0
     slope[:p] -= now.z
     energy += float(now.z @ now.z)
-    low, high = np.full(p, -FURTHEST) - now.z, np.full(p, FURTHEST) - now.z
+    low, high = book.lowest - now.z - ROUNDED, book.highest - now.z + ROUNDED
     at_nominal = book.replaced(names)
     low[at_nominal], high[at_nominal] = -1e-9, 1e-9
     for name, u in zip(names, unit, strict=True):
         least, most = bounds(book.hypotheses[name])
         fixed = fixed_sizes(problem, name, len(u))
         least[fixed] = most[fixed] = now.values[name][fixed]
-        low = np.append(low, (least - now.values[name]) / u - 1e-12)
-        high = np.append(high, (most - now.values[name]) / u + 1e-12)
+        low = np.append(low, (least - now.values[name]) / u - ROUNDED)
+        high = np.append(high, (most - now.values[name]) / u + ROUNDED)
     step = bounded(gram, slope, low, high)
     promised = float(2.0 * slope @ step - step @ gram @ step)
     values, at = {}, p
@@ -322,25 +345,6 @@ def normal_equations(
     white = now.noise.whiten(np.concatenate([columns, now.residual[..., None]], axis=-1))
     gram = gram_of(white, problem.weights() ** 2)
     return gram[:-1, :-1].copy(), -gram[:-1, -1], float(gram[-1, -1])
-
-
-def gram_of(columns: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the weighted gram matrix of columns (n, outputs, k); weights: (n, outputs)."""
-    k = columns.shape[-1]
-    lower = np.zeros((k, k))
-    gram_kernel(np.ascontiguousarray(columns).reshape(-1, k), weights.ravel(), lower)
-    return lower + np.tril(lower, -1).T
-
-
-def bounded(gram: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Minimise x' G x - 2 b' x within bounds."""
-    ridge = 1e-9 * max(float(np.trace(gram)) / max(len(gram), 1), 1e-300)
-    root = np.linalg.cholesky(gram + ridge * np.eye(len(gram)))
-    target = np.linalg.solve(root, slope)
-    free = np.linalg.solve(root.T, target)
-    if np.all(free >= low) and np.all(free <= high):
-        return free
-    return lsq_linear(root.T, target, (low, high), method="bvls").x
 
 
 def _updated(
@@ -371,12 +375,15 @@ def _line_search(
     """Return the first of shortened steps that improves a measure, None where none does."""
     book, present = problem.book, measure(now)
     for share in (1.0, 0.4, 0.1):
-        z = now.z + share * step_z
+        z = book.inside(now.z + share * step_z)
         values = {
             n: np.clip(v + share * step_values[n], *bounds(book.hypotheses[n]))
             for n, v in now.values.items()
         }
-        trial = assess(problem, z, values, problem.residual(z, values))
+        try:
+            trial = assess(problem, z, values, problem.residual(z, values))
+        except NUMERICAL:
+            continue
         if measure(trial) < present:
             return trial
     return None

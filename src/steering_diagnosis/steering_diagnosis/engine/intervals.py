@@ -12,7 +12,8 @@ import numpy as np
 from scipy import stats
 
 from steering_diagnosis.engine.catalogue import bounds, scales
-from steering_diagnosis.engine.fit import Fit, Problem, fixed_sizes, gram_of
+from steering_diagnosis.engine.equations import gram_of
+from steering_diagnosis.engine.fit import Fit, Problem, fixed_sizes
 from steering_diagnosis.engine.screen import active_columns
 
 FIXED = 1e6
@@ -84,10 +85,11 @@ def intervals(problem: Problem, fit: Fit, block: np.ndarray) -> dict[str, dict[s
                 np.hypot(sd * size, problem.settings.form_uncertainty * (value[i] - p.neutral))
             )
             half = float(stats.t.ppf(0.975, freedom)) * sd
+            turned = p.turned(value[i])
             found[name][p.name] = Interval(
-                float(value[i]),
-                float(max(value[i] - half, low[i])),
-                float(min(value[i] + half, high[i])),
+                float(value[i] - turned),
+                float(max(value[i] - half, low[i]) - turned),
+                float(min(value[i] + half, high[i]) - turned),
                 p.unit,
             )
             at += 1

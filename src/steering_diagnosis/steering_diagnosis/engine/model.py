@@ -22,13 +22,16 @@ class Output:
 class Nuisance:
     """A nominal parameter that may differ within its tolerance.
 
-    tolerance: two standard deviations of one specimen, absolute [unit].
+    tolerance: two standard deviations of one specimen, absolute [unit]. low, high: its physical
+    range, which holds the nominal value; the engine never asks the replay for a value beyond.
     """
 
     name: str
     unit: str
     nominal: float
     tolerance: float
+    low: float = -np.inf
+    high: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,8 @@ class HypothesisParameter:
     """A parameter of a hypothesis, bounds and neutral value as in the effects' registry.
 
     typical: a visible size. shape: it has no meaning at the other parameters' neutral values (a
-    gap, a delay, a Stribeck speed) and must be scanned. unit_step: a step for finite differences.
+    gap, a delay, a Stribeck speed) and must be scanned. turn: values that differ by it are the
+    same, 0: none are; the replay is asked for that within half of it about zero.
     """
 
     name: str
@@ -46,6 +50,11 @@ class HypothesisParameter:
     high: float
     typical: float
     shape: bool = False
+    turn: float = 0.0
+
+    def turned(self, value: float) -> float:
+        """Return by how much a value has to be less to be within half a turn about zero."""
+        return self.turn * round(value / self.turn) if self.turn else 0.0
 
 
 @dataclass(frozen=True)
@@ -105,7 +114,9 @@ class Replay(Protocol):
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), SI; NaN where nothing was measured.
 
-        nuisances: absolute values of those that differ from nominal.
+        nuisances: absolute values of those that differ from nominal. A model that cannot be
+        replayed raises BenchError, ValueError, ArithmeticError, or gives NaN where the nominal one
+        gives a number: see ``failures``.
         """
 
     def shaken(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:

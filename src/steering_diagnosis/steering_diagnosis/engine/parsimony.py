@@ -7,13 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from steering_diagnosis.engine.catalogue import scales
+from steering_diagnosis.engine.failures import NUMERICAL
 from steering_diagnosis.engine.fit import Fit, Problem, refit
 
 
 def parsimonious(problem: Problem, best: Fit) -> tuple[Problem, Fit]:
     """Return the model whose every size is worth its place by the information criterion.
 
-    The problem returned keeps the sizes that are none at neutral. A cause keeps one size at least.
+    The problem returned keeps the sizes that are none at neutral. A cause keeps one size at least,
+    and every size without which it cannot be replayed.
     """
     for name in sorted(best.names):
         free = _amplitudes(problem, best, name)
@@ -21,7 +23,10 @@ def parsimonious(problem: Problem, best: Fit) -> tuple[Problem, Fit]:
             held = replace(problem, frozen=problem.frozen | {(name, i)})
             value = best.values[name].copy()
             value[i] = problem.book.hypotheses[name].parameters[i].neutral
-            trial = refit(held, best.z, {**best.values, name: value})
+            try:
+                trial = refit(held, best.z, {**best.values, name: value})
+            except NUMERICAL:
+                continue
             if trial.misfit - best.misfit < np.log(max(best.noise.count.max(), 2.0)):
                 problem, best = held, trial
     return problem, best

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
+from steering_diagnosis.engine.equations import ROUNDED, bounded, gram_of
 from steering_diagnosis.engine.evaluate import Evaluator
 from steering_diagnosis.engine.findings import Region
-from steering_diagnosis.engine.fit import FURTHEST, Fit, bounded, gram_of
+from steering_diagnosis.engine.fit import Fit
 from steering_diagnosis.engine.model import Hypothesis, Output
 from steering_diagnosis.engine.noise import fit_noise, mean_square, usable
 from steering_diagnosis.engine.search import Search
@@ -142,10 +143,11 @@ def within_tolerance(
 
     What another value within tolerance explains is no structure: one record leaves some open.
     """
-    none = np.eye(len(z))
+    none, book = np.eye(len(z)), search.problem.book
+    low, high = book.lowest - z - ROUNDED, book.highest - z + ROUNDED
 
     def step(gram: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        return bounded(gram + none, slope - z, -FURTHEST - z, FURTHEST - z)
+        return bounded(gram + none, slope - z, low, high)
 
     return _shifted(search, residual, step)
 
@@ -161,7 +163,9 @@ def drifted(search: Search, best: Fit) -> np.ndarray:
         return np.zeros(len(search.problem.floor))
     residual = held.residual(search.problem, best)
     stiff = np.eye(len(best.z)) / search.problem.settings.drift**2
-    shift, _ = _shifted(search, residual, lambda gram, slope: np.linalg.solve(gram + stiff, slope))
+    book = search.problem.book
+    low, high = book.least - best.z - ROUNDED, book.most - best.z + ROUNDED
+    shift, _ = _shifted(search, residual, lambda g, b: bounded(g + stiff, b, low, high))
     after = held.energy(residual + search.held_nuisance @ shift)
     return np.maximum(held.energy(residual) - after, 0.0)
 

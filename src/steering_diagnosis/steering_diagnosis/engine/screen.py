@@ -5,13 +5,16 @@ Nuisances and the causes already found are projected out of every template (scor
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from steering_diagnosis.engine.catalogue import bounds
-from steering_diagnosis.engine.fit import FURTHEST, Fit, Problem, assess, bounded, normal_equations
+from steering_diagnosis.engine.catalogue import FURTHEST, bounds
+from steering_diagnosis.engine.equations import bounded
+from steering_diagnosis.engine.failures import NUMERICAL
+from steering_diagnosis.engine.fit import Fit, Problem, assess, normal_equations
 from steering_diagnosis.engine.noise import mean_square
 from steering_diagnosis.engine.templates import Template
 
@@ -19,6 +22,8 @@ PAIR_LEAD = 1.1
 """A pair has to beat the best single hypothesis by this factor."""
 FIXED = 1e9
 """Prior weight of a nuisance that cannot move."""
+NEAR = 0.01
+"""Standard deviations within which a nuisance is at an end."""
 REMOVES = 0.1
 """Share of the error, mean of the outputs, that a template of shapes alone has to remove as it is
 to be refitted whatever its gain."""
@@ -62,7 +67,11 @@ def saturated(problem: Problem, now: Fit, trials: Sequence[Template]) -> np.ndar
     return residual
 
 
-def screen(problem: Problem, now: Fit, trials: Sequence[Template]) -> list[Score]:
+Attempt = Callable[[str, Callable[[], Score]], Score | None]
+"""Calls what scores a hypothesis; None where that fails, which costs this hypothesis alone."""
+
+
+def screen(problem: Problem, now: Fit, trials: Sequence[Template], attempt: Attempt) -> list[Score]:
     """Return the hypotheses that may come next, best first."""
     trials = [t for t in trials if t.hypothesis not in now.values]
     if not trials:
@@ -72,10 +81,14 @@ def screen(problem: Problem, now: Fit, trials: Sequence[Template]) -> list[Score
     for i in np.argsort(-gains):
         best.setdefault(trials[i].hypothesis, int(i))
     chosen = list(best.values())[: problem.settings.screened]
-    scores = {trials[i].hypothesis: start_of(problem, now, trials[i]) for i in chosen}
-    for share, trial in _removing(problem, now, trials):
-        scores[trial.hypothesis] = replace(start_of(problem, now, trial), removes=share)
-    return sorted(scores.values(), key=lambda s: (-s.gain, s.hypothesis))
+    begun = {trials[i].hypothesis: (trials[i], 0.0) for i in chosen}
+    begun |= {t.hypothesis: (t, share) for share, t in _removing(problem, now, trials)}
+    scores = [attempt(n, partial(_score, problem, now, *b)) for n, b in begun.items()]
+    return sorted((s for s in scores if s), key=lambda s: (-s.gain, s.hypothesis))
+
+
+def _score(problem: Problem, now: Fit, trial: Template, removes: float) -> Score:
+    return replace(start_of(problem, now, trial), removes=removes)
 
 
 def _removing(
@@ -135,9 +148,8 @@ def _projected(
     p = problem.nuisance.shape[-1]
     base = p + active_columns(state).shape[-1]
     gram, slope, _ = normal_equations(problem, state, columns)
-    # A nuisance at its tolerance's end explains no more.
-    gram[np.arange(p), np.arange(p)] += np.where(np.abs(state.z) > FURTHEST - 0.01, FIXED, 1.0)
     slope[:p] -= state.z
+    gram[np.arange(p), np.arange(p)] += np.where(_at_end(problem, state.z, slope[:p]), FIXED, 1.0)
     # A cause that does nothing where it stands has a column of zeros.
     inner = gram[:base, :base] + 1e-12 * np.diag(np.diag(gram)[:base] + 1.0)
     solved = np.linalg.solve(inner, np.c_[gram[:base, base:], slope[:base]])
@@ -146,6 +158,16 @@ def _projected(
     ends = np.cumsum([t.columns.shape[-1] for t in trials])
     at = [np.arange(e - t.columns.shape[-1], e) for e, t in zip(ends, trials, strict=True)]
     return gram_t, slope_t, at
+
+
+def _at_end(problem: Problem, z: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Return which nuisances explain no more, (p,): at their tolerance's end, or pressed there.
+
+    A physical range may end at the nominal value itself, from where the other way is free.
+    """
+    book = problem.book
+    low, high = (z < book.lowest + NEAR) & (slope < 0.0), (z > book.highest - NEAR) & (slope > 0.0)
+    return np.asarray((np.abs(z) > FURTHEST - NEAR) | low | high)
 
 
 def _gains(
@@ -157,7 +179,11 @@ def _gains(
         g, b = gram[np.ix_(at[i], at[i])], slope[at[i]]
         if np.trace(g) > 1e-9:
             low, high = _reach(problem, t)
-            u = bounded(g, b, low, high)
+            try:
+                u = bounded(g, b, low, high)
+            except NUMERICAL:
+                # Last in the order; its own linear fit says why, if it comes to that.
+                continue
             gains[i] = 2.0 * b @ u - u @ g @ u
     return gains
 
@@ -186,8 +212,8 @@ def start_of(problem: Problem, now: Fit, trial: Template) -> Score:
     a = columns.shape[-1] - p - k
     reach = _reach(problem, trial)
     free = np.full(a, np.inf)
-    low = np.r_[-FURTHEST - now.z - 1e-9, -free, reach[0]]
-    high = np.r_[FURTHEST - now.z + 1e-9, free, reach[1]]
+    low = np.r_[problem.book.lowest - now.z - 1e-9, -free, reach[0]]
+    high = np.r_[problem.book.highest - now.z + 1e-9, free, reach[1]]
     gram, slope, _ = normal_equations(problem, now, columns)
     gram[np.arange(p), np.arange(p)] += 1.0
     slope[:p] -= now.z
@@ -196,7 +222,7 @@ def start_of(problem: Problem, now: Fit, trial: Template) -> Score:
     values = {n: v.copy() for n, v in now.values.items()}
     h = problem.book.hypotheses[trial.hypothesis]
     values[trial.hypothesis] = np.clip(trial.values(x[-k:]), *bounds(h))
-    z = now.z + x[:p]
+    z = problem.book.inside(now.z + x[:p])
     # The hypothesis carries what a nuisance at its tolerance's end stood in for.
     z[[problem.book.index[n] for n in h.competes if n in problem.book.index]] = 0.0
     return Score(trial.hypothesis, now.misfit - best.misfit, z, values)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
+from steering_diagnosis.engine.attempts import Attempts
 from steering_diagnosis.engine.evaluate import Call
 from steering_diagnosis.engine.evidence import Evidence, HeldOut, critical_ratio, weigh
+from steering_diagnosis.engine.failures import NUMERICAL, GivenUpError
 from steering_diagnosis.engine.fit import Fit, Problem, misfit, refit, settled
 from steering_diagnosis.engine.noise import Noise, mean_square
 from steering_diagnosis.engine.parsimony import parsimonious
@@ -34,10 +36,13 @@ QUIETER, QUIETER_TIMES = 0.7, 6
 searches in a quieter noise at most."""
 VERDICTS = 3
 """Rounds in the noise that the verdict leaves, at most."""
+RESTARTS = 8
+"""Searches that are begun anew because the best model could not be judged, at most: from then on
+the nominal model is the answer."""
 
 
 @dataclass(repr=False)
-class Search:
+class Search(Attempts):
     """State of a search over one record: every model fitted on the way is kept by its causes."""
 
     problem: Problem
@@ -48,10 +53,20 @@ class Search:
     fits: dict[frozenset[str], Fit] = field(default_factory=dict)
     screened: dict[frozenset[str], list[Score]] = field(default_factory=dict)
     floor: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    failed: dict[frozenset[str], str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.critical = critical_ratio(self.problem.settings, len(self.trials))
         self._reduced: set[tuple[frozenset[str], str]] = set()
+        self._restarts = 0
+        self._first = self.problem
+        self._search_in(self._left(self.start), self.start)
+
+    def begin_without(self, error: GivenUpError) -> None:
+        """Begin anew, without a model that was the best and cannot be judged."""
+        self.give_up(error.names, str(error))
+        self._restarts += 1
+        self.problem = self._first
         self._search_in(self._left(self.start), self.start)
 
     @property
@@ -66,8 +81,9 @@ class Search:
         self.fits.clear()
         self.screened.clear()
         self._reduced.clear()
-        self.fit(frozenset(), null.z, {})
-        return self.fit(best.names, best.z, dict(best.values))
+        with self.judging(best.names):
+            self.fit(frozenset(), null.z, {})
+            return self.fit(best.names, best.z, dict(best.values))
 
     @cached_property
     def held_nuisance(self) -> np.ndarray:
@@ -88,7 +104,7 @@ class Search:
         which it leaves itself: slow errors would else pass for coloured noise and hide themselves,
         or, where nothing explains them, pass for signal.
         """
-        if self._within_resolution():
+        if self._within_resolution() or self._restarts > RESTARTS:
             return self.null
         final = self._found()
         for _ in range(VERDICTS):
@@ -109,7 +125,10 @@ class Search:
         final = self._searched(self.null)
         for _ in range(QUIETER_TIMES):
             near = self.extended(final, self.problem.settings.refitted_next, FAR)
-            noise = min(map(self._left, (final, *near)), key=lambda n: float(np.log(n.sd).sum()))
+            with self.judging(final.names):
+                left = [self._left(final)]
+            left += [n for f in near if (n := self.tried(f.names, partial(self._left, f)))]
+            noise = min(left, key=lambda n: float(np.log(n.sd).sum()))
             if not np.any(noise.rms < QUIETER * np.sqrt(self.floor)):
                 break
             final = self._searched(self._search_in(noise, final))
@@ -140,8 +159,9 @@ class Search:
     def _standing(self, final: Fit) -> Fit:
         """Return a model without the causes that are not real."""
         while True:
-            final = self.polished(final)
-            reduced = self._without_weakest(final)
+            with self.judging(final.names):
+                final = self.polished(final)
+                reduced = self._without_weakest(final)
             if reduced is None:
                 return final
             final = self.improve(reduced)
@@ -153,9 +173,17 @@ class Search:
         values: dict[str, np.ndarray],
         promised: float = np.inf,
     ) -> Fit:
-        """Refit a set of causes from a start, keeping the best fit. promised: see ``settled``."""
-        found = settled(self.problem, z, values, promised)
+        """Refit a set of causes from a start, keeping the best fit. promised: see ``settled``.
+
+        Raises one of NUMERICAL where no start can be replayed.
+        """
         known = self.fits.get(names)
+        try:
+            found = settled(self.problem, z, values, promised)
+        except NUMERICAL:
+            if known is None:
+                raise
+            return known
         if known is None or found.misfit < known.misfit:
             self.fits[names] = found
         return self.fits[names]
@@ -175,7 +203,13 @@ class Search:
     def scores(self, now: Fit) -> list[Score]:
         """Screen what may come next after a fit, once: first what gains most of what it needs."""
         if now.names not in self.screened:
-            found = screen(self.problem, now, self.trials)
+            with self.judging(now.names):
+                found = screen(
+                    self.problem,
+                    now,
+                    self.trials,
+                    lambda name, work: self.tried(now.names | {name}, work),
+                )
             self.screened[now.names] = sorted(found, key=lambda s: -self._worth(s))
         return self.screened[now.names]
 
@@ -206,7 +240,8 @@ class Search:
             gains = i < most and large and s.gain > HOPELESS * self.critical
             if gains or s.removes:
                 names = now.names | {s.hypothesis}
-                found.append(self.fits.get(names) or self._fit_beyond(now, s))
+                known = self.fits.get(names) or self.tried(names, partial(self._fit_beyond, now, s))
+                found += [known] if known else []
                 self.report(s.hypothesis)
         return sorted(found, key=misfit)
 
@@ -239,9 +274,11 @@ class Search:
         for _ in range(2):
             options = []
             for name in sorted(final.names):
-                base = self.without(final, name)
+                with self.judging(final.names):
+                    base = self.without(final, name)
                 rivals = self.extended(base, self.problem.settings.refitted_next)
-                sound = [f for f in rivals if f.names != final.names and self._sound(f)]
+                others = [f for f in rivals if f.names != final.names]
+                sound = [f for f in others if self.tried(f.names, partial(self._sound, f))]
                 first = self._simplest([final, *sound], base)
                 options += [first] if first is not final else []
             if not options:
@@ -284,7 +321,8 @@ class Search:
         passed: dict[frozenset[str], Fit] = {}
         for now in beam:
             for full in self.extended(now, most, close):
-                if full.names not in passed and self._holds(now, full):
+                known = full.names in passed
+                if not known and self.tried(full.names, partial(self._holds, now, full)):
                     passed[full.names] = full
         return passed
 
@@ -299,18 +337,22 @@ class Search:
         """Return pairs that are real although neither of the two need be real alone."""
         best = min((f.misfit for f in singles.values()), default=self.null.misfit)
         found = []
-        for a, b in pairs(self.problem, self.null, self.trials, self.critical, PAIRS):
-            now = self.null
-            for name in (a, b):
-                options = [t for t in self.trials if t.hypothesis == name]
-                starts = [start_of(self.problem, now, t) for t in options]
-                start = max(starts, key=lambda s: s.gain)
-                if name == b and now.misfit - start.gain > best - self.critical:
-                    break
-                now = self.fit(now.names | {name}, start.z, start.values)
-            if now.names == frozenset((a, b)) and self._sound(now):
-                found.append(now)
+        for pair in pairs(self.problem, self.null, self.trials, self.critical, PAIRS):
+            both = self.tried(frozenset(pair), partial(self._sound_pair, pair, best))
+            found += [both] if both else []
         return found
+
+    def _sound_pair(self, pair: tuple[str, str], best: float) -> Fit | None:
+        """Return the fit of a pair, if it is real and may be clearly below the best misfit."""
+        now = self.null
+        for name in pair:
+            options = [t for t in self.trials if t.hypothesis == name]
+            starts = [start_of(self.problem, now, t) for t in options]
+            start = max(starts, key=lambda s: s.gain)
+            if name == pair[1] and now.misfit - start.gain > best - self.critical:
+                return None
+            now = self.fit(now.names | {name}, start.z, start.values)
+        return now if self._sound(now) else None
 
     def _sound(self, full: Fit) -> bool:
         """Return whether every cause of a model is real given the others."""

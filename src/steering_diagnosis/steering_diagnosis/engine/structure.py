@@ -128,9 +128,11 @@ def structures(remains: Remains) -> list[Structure]:
 
 
 def band(part: np.ndarray, step_s: float) -> tuple[float, float]:
-    """Return the band that holds the middle half of a signal's energy [Hz]."""
+    """Return the band that holds the middle half of a signal's energy [Hz]; a constant has none."""
     f, power = signal.periodogram(part, 1.0 / step_s, detrend="constant")
-    share = np.cumsum(power) / max(power.sum(), 1e-300)
+    if power.sum() <= 0.0:
+        return 0.0, 0.0
+    share = np.cumsum(power) / np.cumsum(power)[-1]
     return float(f[np.searchsorted(share, 0.25)]), float(f[np.searchsorted(share, 0.75)])
 
 
@@ -177,7 +179,11 @@ def free_form(remains: Remains, structure: Structure) -> FreeForm | None:
 def _predictable(
     remains: Remains, functions: Mapping[str, tuple[np.ndarray, np.ndarray]], j: int
 ) -> Structure | None:
-    """Find what smooth functions of the states predict: of one, then of the best together."""
+    """Find what smooth functions of the states predict: of one, then of the best together.
+
+    It has to be large against what the inputs' noise does: the replay's own states carry that, and
+    predict it.
+    """
     before = _mean_square(remains, remains.residual[:, j], j)
     if before < (SCATTER * remains.floor[j]) ** 2 or not functions:
         return None
@@ -192,7 +198,8 @@ def _predictable(
     parts += [product(functions[a][0], functions[b][0]) for a, b in combinations(best, 2)]
     part, sigmas = _cross_validated(remains, np.concatenate(parts, axis=1), j)
     after = _mean_square(remains, remains.residual[:, j] - part, j)
-    if sigmas < SIGMAS or before - after < _least(remains, after, j):
+    handed_on = INPUTS_NOISE * _mean_square(remains, remains.shaken[:, j], j)
+    if sigmas < SIGMAS or before - after < max(_least(remains, after, j), handed_on):
         return None
     return Structure(j, before - after, after, part, "predictable", "")
 

@@ -7,15 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from steering_diagnosis.engine.catalogue import Catalogue, scale
-from steering_diagnosis.engine.evaluate import Evaluator
+from steering_diagnosis.engine.catalogue import Catalogue, Values, scale
+from steering_diagnosis.engine.evaluate import Call, Evaluator, Failed
 from steering_diagnosis.engine.model import Hypothesis
 
+DIVERGES = 1e6
+"""Change by a visible size over what most hypotheses change, and over the nominal error, from which
+the model diverges: a number that is none."""
 FAR = (4.0, 5.0, 6.0)
 """Further steps, in typical sizes, of a hypothesis that has shapes only."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Template:
     """One trial of a hypothesis: residual changes linearly with the free parameters.
 
@@ -40,12 +43,47 @@ class Template:
 
 
 def nuisance_columns(runs: Evaluator, book: Catalogue, base: np.ndarray) -> np.ndarray:
-    """Return the change of the residual per standard deviation of each nuisance, (n, m, p)."""
-    unit = np.eye(len(book.nuisances))
-    calls = [book.call(unit[i], {}) for i in range(len(book.nuisances))]
-    if not calls:
-        return np.zeros((*base.shape, 0))
-    return np.stack([r - base for r in runs.many(calls)], axis=-1)
+    """Return the change of the residual per standard deviation of each nuisance, (n, m, p).
+
+    Zeros where the model cannot be replayed a step away: such a nuisance stays where it is.
+    """
+    none = np.zeros(len(book.nuisances))
+    found = secants(runs, book, none, {}, range(len(none)), 1.0)
+    columns = np.zeros((*base.shape, len(none)))
+    for i, (moved, step) in found.items():
+        columns[..., i] = (moved - base) / step
+    return columns
+
+
+def secants(
+    runs: Evaluator,
+    book: Catalogue,
+    z: np.ndarray,
+    values: Values,
+    chosen: Sequence[int],
+    size: float,
+) -> dict[int, tuple[np.ndarray, float]]:
+    """Return residuals, (n, m), a step away in the chosen nuisances, and the steps, by position.
+
+    size: of the steps [standard deviations]; the other way where that leaves the physical range or
+    cannot be replayed. A nuisance that can be stepped neither way is left out.
+    """
+
+    def moved(i: int, step: float) -> Call:
+        away = z.copy()
+        away[i] += step
+        return book.call(away, values)
+
+    steps = {i: book.step(z, i, size) for i in chosen}
+    answers = runs.answers([moved(i, step) for i, step in steps.items()])
+    found = {}
+    for (i, step), answer in zip(steps.items(), answers, strict=True):
+        if isinstance(answer, Failed):
+            step = book.step(z, i, -step)
+            answer = runs.answers([moved(i, step)])[0]
+        if not isinstance(answer, Failed) and step != 0.0:
+            found[i] = answer, step
+    return found
 
 
 def templates(
@@ -54,8 +92,11 @@ def templates(
     base: np.ndarray,
     nuisance: np.ndarray,
     grid: Sequence[float],
-) -> list[Template]:
-    """Return the templates of the whole catalogue about the nominal model."""
+) -> tuple[list[Template], dict[str, str]]:
+    """Return the templates of the whole catalogue about the nominal model.
+
+    And why hypotheses have none: no step of theirs can be replayed, or all of them diverge.
+    """
     trials = [
         (h, start, free)
         for h in book.hypotheses.values()
@@ -76,13 +117,19 @@ def templates(
             value = start.copy()
             value[i] += step
             calls.append(book.call(none, {h.name: value}))
-    answers = iter(runs.many(calls))
+    answers = iter(runs.answers(calls))
     found: list[Template] = []
+    failed: dict[str, str] = {}
     for h, start, free, unit in steps:
-        columns = np.stack([next(answers) - base for _ in free], axis=-1)
-        backwards = unit[0] * (h.parameters[free[0]].typical - h.parameters[free[0]].neutral) < 0.0
-        if not backwards or not _mirrors(found[-1].columns, columns):
-            found.append(Template(h.name, start, free, unit, columns, *_spoken_for(h, unit, grid)))
+        given = [next(answers) for _ in free]
+        why = next((a.why for a in given if isinstance(a, Failed)), None)
+        if why is not None:
+            failed[h.name] = why
+            continue
+        columns = np.stack([a - base for a in given if not isinstance(a, Failed)], axis=-1)
+        made = Template(h.name, start, free, unit, columns, *_spoken_for(h, unit, grid))
+        if not (found and _backwards(h, made) and _mirrored(found[-1], made)):
+            found.append(made)
     for h in book.hypotheses.values():
         name = book.nuisance_of(h.name)
         if name is not None:
@@ -92,7 +139,20 @@ def templates(
             found.append(
                 Template(h.name, np.array([h.parameters[0].neutral], float), (0,), unit, columns)
             )
-    return found
+    kept = _measurable(found, base)
+    failed |= {t.hypothesis: "its error grows beyond all measure" for t in found if t not in kept}
+    known = {t.hypothesis for t in kept}
+    return kept, {name: why for name, why in failed.items() if name not in known}
+
+
+def _measurable(found: Sequence[Template], base: np.ndarray) -> list[Template]:
+    """Return the templates that do not diverge: beside one, the others' equations are no more."""
+    sizes = [np.sqrt(np.nanmean(t.columns**2, axis=(0, 2))) for t in found]
+    usual = np.sqrt(np.nanmean(base**2, axis=0))
+    if sizes:
+        usual = np.maximum(usual, np.median(sizes, axis=0))
+    most = np.where(usual > 0.0, DIVERGES * usual, np.inf)
+    return [t for t, s in zip(found, sizes, strict=True) if np.all(s <= most)]
 
 
 def _units(h: Hypothesis, free: tuple[int, ...], grid: Sequence[float]) -> list[np.ndarray]:
@@ -126,8 +186,17 @@ def _signed(h: Hypothesis, start: np.ndarray, free: tuple[int, ...], unit: np.nd
     return bool(np.all((back >= low) & (back <= high)))
 
 
-def _mirrors(one: np.ndarray, other: np.ndarray) -> bool:
+def _backwards(h: Hypothesis, t: Template) -> bool:
+    """Return whether a template's step goes against the typical one."""
+    p = h.parameters[t.free[0]]
+    return bool(t.unit[0] * (p.typical - p.neutral) < 0.0)
+
+
+def _mirrored(there: Template, back: Template) -> bool:
     """Return whether the other way round is the same with the sign changed, to a tenth."""
+    if there.hypothesis != back.hypothesis or not np.array_equal(there.unit, -back.unit):
+        return False
+    one, other = there.columns, back.columns
     known = np.isfinite(one) & np.isfinite(other)
     size = np.sum(one[known] ** 2) + np.sum(other[known] ** 2)
     return bool(np.sum((one + other)[known] ** 2) < 0.02 * size)

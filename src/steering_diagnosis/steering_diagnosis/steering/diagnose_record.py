@@ -9,13 +9,16 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
+from steering_core.errors import BenchError
+from steering_core.parameters import ParameterError
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.engine.diagnose import diagnose
+from steering_diagnosis.engine.failures import NUMERICAL, reason
 from steering_diagnosis.engine.findings import Findings
 from steering_diagnosis.engine.model import Effects
 from steering_diagnosis.engine.reporting import to_report
 from steering_diagnosis.engine.settings import Settings
-from steering_diagnosis.report import Diagnosis, Overlay, Report, Source, Verdict
+from steering_diagnosis.report import BalanceError, Diagnosis, Overlay, Report, Source, Verdict
 from steering_diagnosis.steering.balance_errors import Balances
 from steering_diagnosis.steering.clean_gains import settings_of
 from steering_diagnosis.steering.extension import extension
@@ -65,6 +68,7 @@ def diagnose_record(
         settings=settings or settings_of(record.valve_system),
     )
     tell(INFERENCE, "balances")
+    balances, lost = _balances(replay, findings)
     report = to_report(
         findings,
         _source(record),
@@ -72,19 +76,39 @@ def diagnose_record(
         None if holdout is None else _source(holdout),
         {u.hypothesis: u.why for u in replay.undecidable},
         [s.text for s in found],
-        [*record.notes, *_left_out(found)],
+        [*record.notes, *_left_out(found), *lost],
     )
     made = Diagnosis(
         report=report,
         time=record.time,
         overlays=overlays(replay, findings),
-        balances=Balances(replay).errors(findings.nuisances, findings.effects, findings.refitted),
+        balances=balances,
         held_out=_held_out(findings, len(record)),
         extension=_extension(replay, findings),
         free_form={} if findings.free_form is None else asdict(findings.free_form),
     )
     tell(1.0, "done")
     return made
+
+
+def _balances(
+    replay: SteeringReplay, findings: Findings
+) -> tuple[tuple[BalanceError, ...], list[str]]:
+    """Return the balances' evidence, none where the plant leaves what is possible in it, and notes.
+
+    Beside the replay every measured state is prescribed: what was found stands without it.
+    """
+    models: dict[str, tuple[Mapping[str, float], Effects]] = {
+        "extended": (findings.nuisances, findings.effects),
+        "refitted": (findings.refitted, {}),
+    }
+    lost: list[str] = []
+    for name, model in models.items():
+        try:
+            return Balances(replay).errors(*model, findings.refitted), lost
+        except (*NUMERICAL, BenchError, ParameterError) as error:
+            lost.append(f"balances of the {name} model could not be made: {reason(error)}")
+    return (), lost
 
 
 def overlays(replay: SteeringReplay, findings: Findings) -> dict[str, Overlay]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from steering_diagnosis.engine.model import Effects, Nuisance
 from steering_diagnosis.steering.drive import SENSORS
 
@@ -34,15 +32,7 @@ def extension(
     }
     found: dict[str, Any] = {}
     if effects:
-        found["effects"] = {
-            name: {parameter: _written(parameter, value) for parameter, value in given.items()}
-            for name, given in effects.items()
-        }
+        found["effects"] = {name: dict(given) for name, given in effects.items()}
     if parameters:
         found["parameters"] = parameters
     return found
-
-
-def _written(parameter: str, value: float) -> float:
-    """Return a value as the effects' bounds allow it: a phase within one turn."""
-    return float(np.angle(np.exp(1j * value))) if parameter == "phase" else float(value)

@@ -88,13 +88,20 @@ def load_force_error(run: Run) -> np.ndarray:
     return drive.command.force(0) - tyre_force(position, run.parameters, run.effects.get(TYRES))
 
 
-def _channel(name: str, balance: str, take: Callable[[Trace], np.ndarray]) -> Predicted:
+def _channel(
+    name: str,
+    balance: str,
+    take: Callable[[Trace], np.ndarray],
+    known: Callable[[Drive], bool] = lambda drive: True,
+) -> Predicted:
+    """Return a measured channel as an output. known: whether all that it follows from is."""
+
     def residual(run: Run) -> np.ndarray:
         measured = run.drive.record[name]
         return measured - as_measured(take(run.trace), run.parameters, name)
 
     def there(drive: Drive) -> bool:
-        return name in drive.record and name not in drive.inputs()
+        return name in drive.record and name not in drive.inputs() and known(drive)
 
     return Predicted(Output(name, CHANNELS[name].unit, balance), there, residual)
 
@@ -122,7 +129,7 @@ OUTPUTS = (
     _channel("rack_speed", "rack force", lambda trace: trace["rack_speed"]),
     _channel("left_pressure", "left chamber continuity", lambda trace: trace["left_pressure"]),
     _channel("right_pressure", "right chamber continuity", lambda trace: trace["right_pressure"]),
-    _channel("supply_pressure", "supply", lambda trace: trace.supply),
+    _channel("supply_pressure", "supply", lambda trace: trace.supply, lambda drive: drive.valves),
     _made(
         "driver_torque",
         "column torque",

@@ -11,15 +11,15 @@ from uuid import uuid4
 import numpy as np
 
 from steering_core.errors import BenchError
-from steering_core.parameters import ParameterSet
 from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.engine.failures import NUMERICAL, reason
 from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
 from steering_diagnosis.steering import ripple, suspects
 from steering_diagnosis.steering.drive import RUN_UP, Drive
 from steering_diagnosis.steering.full_model import full_model
 from steering_diagnosis.steering.outputs import Predicted, Run, acting, outputs_of
 from steering_diagnosis.steering.simulation import Simulation
-from steering_diagnosis.steering.smoothing import bridged, spectrum
+from steering_diagnosis.steering.smoothing import bridged, noise_like, spectrum
 
 UNSETTLED = 300
 """Samples at the beginning that are not judged: hidden states are only guessed there."""
@@ -29,13 +29,11 @@ FRICTIONLESS, LONGEST = 6.0, 0.25
 share of a record that is given up for it at most."""
 
 CUT_OFF = 100
-"""Samples at the end that are not judged: smooth inputs have no future there."""
+"""Samples at the end, and before a gap, that are not judged: smooth inputs have no future there."""
 
-IMPOSSIBLE = 100.0
-"""Errors of an impossible plant over the nominal one's."""
-
-LEAST_SHARE = 0.02
-"""Share of its nominal value below which a positive parameter is not taken."""
+BRIDGED = 4
+"""Ticks without an input up to which a straight line is as good as a sample: at 50 rad/s^2 a wheel
+leaves it by 1e-4 rad, half of its sensor's noise."""
 
 SHAKING = (
     "steering_wheel_angle",
@@ -43,6 +41,8 @@ SHAKING = (
     "rack_position",
     "rack_speed",
     "rack_force",
+    "left_pressure",
+    "right_pressure",
 )
 """Channels whose noise shakes the replay, as far as they drive it."""
 
@@ -79,6 +79,8 @@ class SteeringReplay:
         self.judged = np.ones(len(record), dtype=bool)
         self.judged[: settled(self.drive)] = False
         self.judged[-CUT_OFF:] = False
+        for gap in gaps(self.drive):
+            self.judged[max(gap.start - CUT_OFF, 0) : settled(self.drive, gap.stop)] = False
         if record.excluded is not None:
             self.judged &= ~record.excluded
 
@@ -94,22 +96,29 @@ class SteeringReplay:
         if ripple.CHANNEL in self.record:
             error = ripple.supply_error(self.run({}, {}))
             line = ripple.find_line(error[judged])
-        kept = {n: h for n, h in self.hypotheses.items() if n != ripple.EFFECT}
         if line is None:
-            why = "no line stands out of the supply pressure between 25 and 450 Hz"
-            self.undecidable = (*self.undecidable, Undecidable(ripple.EFFECT, why))
-            self.hypotheses = kept
+            self._leave_out(
+                ripple.EFFECT, "no line stands out of the supply pressure between 25 and 450 Hz"
+            )
             return
 
         def answer(amplitude: float, hz: float) -> np.ndarray:
             given = {"amplitude": amplitude, "frequency": hz, "phase": 0.0}
             return ripple.supply_error(self.run({}, {ripple.EFFECT: given}))
 
-        amplitude, phase = ripple.estimate(line, error, answer)
+        try:
+            amplitude, phase = ripple.estimate(line, error, answer)
+        except (*NUMERICAL, BenchError) as failure:
+            self._leave_out(ripple.EFFECT, f"could not be tried: {reason(failure)}")
+            return
         found = ripple.at_line(self.hypotheses[ripple.EFFECT], line, amplitude, phase)
-        self.hypotheses = kept | {ripple.EFFECT: found}
+        self.hypotheses = {**self.hypotheses, ripple.EFFECT: found}
         self._predicted = (*self._predicted, *ripple.shifted(line))
         self.outputs = tuple(p.output for p in self._predicted)
+
+    def _leave_out(self, effect: str, why: str) -> None:
+        self.undecidable = (*self.undecidable, Undecidable(effect, why))
+        self.hypotheses = {n: h for n, h in self.hypotheses.items() if n != effect}
 
     def run(self, nuisances: Mapping[str, float], effects: Effects) -> Run:
         """Return the simulation with the absolute ``nuisances`` and the ``effects`` that are on.
@@ -119,7 +128,7 @@ class SteeringReplay:
         model = full_model(self.record.valve_system)
         parameters = self.record.nominal
         if nuisances:
-            parameters = parameters.with_values(possible(parameters, nuisances))
+            parameters = parameters.with_values(nuisances)
         parameters = model.changed(parameters, effects)
         trace = self.simulation.run(parameters, acting(self.drive, effects))
         return Run(self.drive, parameters, effects, trace)
@@ -127,15 +136,9 @@ class SteeringReplay:
     def residuals(self, nuisances: Mapping[str, float], effects: Effects) -> np.ndarray:
         """Return measured minus predicted, (n, outputs), SI; NaN where it is not judged.
 
-        Parameters with which the plant leaves what is possible give errors beyond all measure, so
-        that a search turns back. BenchError where the nominal model does so.
+        BenchError: the plant leaves what is possible. ParameterError: a value out of its range.
         """
-        try:
-            errors = self.errors(nuisances, effects)
-        except BenchError:
-            if not nuisances and not effects:
-                raise
-            errors = IMPOSSIBLE * np.abs(self.errors({}, {}))
+        errors = self.errors(nuisances, effects)
         errors[~self.judged] = np.nan
         return errors
 
@@ -168,8 +171,7 @@ class SteeringReplay:
         """Return a replay whose inputs have more noise, and that of the outputs, (n, outputs)."""
         random = np.random.default_rng(0)
         added = {
-            name: spectrum(bridged(self.record[name])).noise
-            * random.standard_normal(len(self.record))
+            name: noise_like(bridged(self.record[name]), random)
             for name in SHAKING
             if name in self.record
         }
@@ -202,39 +204,35 @@ class SteeringReplay:
         }
 
 
-def settled(drive: Drive) -> int:
-    """Return the first sample that is judged.
+def settled(drive: Drive, begin: int = 0) -> int:
+    """Return the first sample that is judged after ``begin``, where nothing is known of the states.
 
     Before it hidden states are guessed, and the rack's friction depends on how the rack came there.
     """
     nominal = drive.record.nominal
-    angle = drive.curves["steering_wheel_angle"].values[RUN_UP:]
+    angle = drive.curves["steering_wheel_angle"].values[RUN_UP + begin :]
+    if not len(angle):
+        return begin
     reach = FRICTIONLESS * nominal["mechanics.rack_friction_displacement"]
     moved = np.maximum.accumulate(angle) - np.minimum.accumulate(angle)
     free = np.flatnonzero(moved / nominal["mechanics.gear_ratio"] > reach)
     longest = max(UNSETTLED, int(LONGEST * len(angle)))
-    return int(np.clip(free[0] if len(free) else longest, UNSETTLED, longest))
+    return begin + int(np.clip(free[0] if len(free) else longest, UNSETTLED, longest))
+
+
+def gaps(drive: Drive) -> list[slice]:
+    """Return where an input of the replay is missing for too long to be bridged."""
+    record = drive.record
+    driving = [*drive.inputs(), *(["rack_force"] if drive.load == "cell" else [])]
+    missing = np.any([np.isnan(record[name]) for name in driving], axis=0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], missing.astype(np.int8), [0]])))
+    return [slice(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a > BRIDGED]
 
 
 def bind(record: Record) -> BoundModel:
     """Return the replay of a record with what the report must say of it."""
     replay = SteeringReplay(record)
     return BoundModel(replay, replay.undecidable, record.notes)
-
-
-def possible(nominal: ParameterSet, values: Mapping[str, float]) -> dict[str, float]:
-    """Return ``values`` with those that must be positive, and were, kept positive.
-
-    No sensor is early.
-    """
-    found = {}
-    for name, value in values.items():
-        minimum = nominal.info(name).minimum
-        least = LEAST_SHARE * nominal[name]
-        positive = least > 0.0 and (minimum is None or minimum >= 0.0)
-        late = name.endswith(".delay")
-        found[name] = max(value, least) if positive or late else value
-    return found
 
 
 _REPLAYS: OrderedDict[str, SteeringReplay] = OrderedDict()

@@ -36,6 +36,9 @@ SEEN_DIRECTLY_HZ = 60.0
 TRIAL = 0.02
 """Amplitude that the line's own is found by comparison with."""
 
+TURN = 2.0 * np.pi
+"""Phases [rad] that differ by it are the same."""
+
 NARROW = 3.0
 """Resolutions of the record that the frequency may differ from the line."""
 
@@ -123,12 +126,17 @@ def _there(drive: Drive) -> bool:
 
 
 def at_line(hypothesis: Hypothesis, line: Line, amplitude: float, phase: float) -> Hypothesis:
-    """Return the hypothesis of ripple with its line's values as typical ones."""
+    """Return the hypothesis of ripple with its line's values as typical ones.
+
+    Within the effect's bounds, but for the phase, which may go on through a turn's end.
+    """
     reach = NARROW * line.width_hz
+    known = {p.name: p for p in hypothesis.parameters}["frequency"]
+    low, high = max(known.low, line.hz - reach), min(known.high, line.hz + reach)
     values: dict[str, dict[str, Any]] = {
         "amplitude": {"typical": amplitude},
-        "frequency": {"typical": line.hz, "low": line.hz - reach, "high": line.hz + reach},
-        "phase": {"typical": phase, "low": phase - np.pi, "high": phase + np.pi},
+        "frequency": {"typical": line.hz, "low": low, "high": high},
+        "phase": {"typical": phase, "low": phase - np.pi, "high": phase + np.pi, "turn": TURN},
     }
     return replace(
         hypothesis,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy import signal
@@ -50,6 +51,30 @@ def spectrum(values: np.ndarray, lowest_hz: float = LOWEST_HZ) -> Spectrum:
     last = loud[quiet[0]] if len(quiet) else (loud[-1] if len(loud) else 0)
     cutoff = float(np.clip(1.5 * hz[last], lowest_hz, HIGHEST_HZ))
     return Spectrum(float(np.sqrt(floor * 0.5 / PERIOD_S)), cutoff)
+
+
+def noise_like(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """Return another draw of the noise of a channel (n,) without NaN, coloured as its own is.
+
+    Its density is the channel's own where the signal has sunk into the noise; below, where the
+    signal hides it, that of the lowest such octave. A sensor's noise is seldom white, and a rack
+    rings on its torsion bar with what it holds there.
+    """
+    known = spectrum(values)
+    segment = min(SEGMENT, len(values))
+    hz, density = signal.welch(
+        values, 1.0 / PERIOD_S, "hann", segment, detrend="linear", average="median"
+    )
+    ends = [max(known.cutoff_hz / 1.5, LOWEST_HZ)]
+    while 2.0 * ends[-1] < 0.5 / PERIOD_S:
+        ends.append(2.0 * ends[-1])
+    bands = list(pairwise([*ends[:-1], 0.5 / PERIOD_S]))
+    middles = [np.sqrt(low * high) for low, high in bands]
+    levels = [float(np.median(density[(hz > low) & (hz <= high)])) for low, high in bands]
+    lines = np.maximum(np.fft.rfftfreq(len(values), PERIOD_S), 1e-9)
+    shape = np.interp(np.log(lines), np.log(middles), levels)
+    white = np.fft.rfft(random.standard_normal(len(values)))
+    return np.asarray(np.fft.irfft(white * np.sqrt(shape * 0.5 / PERIOD_S), len(values)))
 
 
 def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from steering_core.parameters import ParameterSet
 from steering_diagnosis.data.channels import MEASURED
 from steering_diagnosis.engine.model import (
@@ -14,6 +16,7 @@ from steering_diagnosis.steering.drive import SENSORS, Drive
 from steering_diagnosis.steering.outputs import LOAD_FRICTION, TYRES, Predicted
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import Effect
+from steering_plant.sensors import LONGEST_DELAY
 
 COLUMN = (
     "mechanics.steering_wheel_inertia",
@@ -58,6 +61,12 @@ EXACT = ("rack_mass", "torsion_bar_stiffness", "sensor_offset", "sensor_gain")
 LOAD_CELL_DELAY, LATE = "rack_force_sensor.delay", 2e-3
 """An amplifier's and a converter's delay [s] that needs no explanation."""
 
+LATEST = (LONGEST_DELAY - 1) * 1e-3
+"""Longest delay of a sensor [s]."""
+
+LEAST_SHARE = 0.02
+"""Share of its nominal value below which a positive parameter is not taken."""
+
 RACK_BALANCES = ("rack force",)
 VALVE_BALANCES = (
     "valve flow",
@@ -90,8 +99,22 @@ def _sheet(drive: Drive, parameters: ParameterSet) -> list[Nuisance]:
         hydraulic = not name.startswith("mechanics.")
         if info.tolerance > 0.0 and felt and (drive.valves or not hydraulic):
             value = parameters[name]
-            found.append(Nuisance(name, info.unit, value, info.tolerance * abs(value)))
+            found.append(_nuisance(parameters, name, info.unit, info.tolerance * abs(value)))
     return found
+
+
+def _nuisance(parameters: ParameterSet, name: str, unit: str, tolerance: float) -> Nuisance:
+    """Return a parameter of the data sheet as a nuisance, with the range that is checked there.
+
+    A value that may not be below zero and is above it stays above a small share of itself: without
+    any friction or volume the plant is another one. No sensor is later than its memory is long.
+    """
+    value, minimum = parameters[name], parameters.info(name).minimum
+    low = 0.0 if minimum is None else minimum
+    if value > 0.0 and low >= 0.0:
+        low = max(low, LEAST_SHARE * value)
+    high = LATEST if name.endswith(".delay") else np.inf
+    return Nuisance(name, unit, value, tolerance, low, max(high, value))
 
 
 def _sensors(drive: Drive, parameters: ParameterSet) -> list[Nuisance]:
@@ -106,9 +129,9 @@ def _sensors(drive: Drive, parameters: ParameterSet) -> list[Nuisance]:
         for name, unit, tolerance in (("offset", made.unit, made.offset), ("gain", "1", made.gain)):
             full = f"{SENSORS[channel]}.{name}"
             if tolerance > 0.0 and full not in found:
-                found[full] = Nuisance(full, unit, parameters[full], tolerance)
+                found[full] = _nuisance(parameters, full, unit, tolerance)
     if drive.load == "cell" and not drive.knows_load:
-        found[LOAD_CELL_DELAY] = Nuisance(LOAD_CELL_DELAY, "s", parameters[LOAD_CELL_DELAY], LATE)
+        found[LOAD_CELL_DELAY] = _nuisance(parameters, LOAD_CELL_DELAY, "s", LATE)
     return list(found.values())
 
 

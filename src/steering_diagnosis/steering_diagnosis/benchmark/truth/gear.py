@@ -164,10 +164,21 @@ def closed_centre(p, y, d, u):
 
 
 @kernel
+def given_pressures(d, u):
+    """Fill the rates of hydraulics of which the chambers' pressures are given, and nothing else."""
+    for i in range(s.LEFT, s.BENDING):
+        d[i] = 0.0
+    d[s.LEFT_HOSE], d[s.RIGHT_HOSE], d[s.ENERGY] = 0.0, 0.0, 0.0
+    d[s.LEFT], d[s.RIGHT] = u[s.LEFT_RISE], u[s.RIGHT_RISE]
+
+
+@kernel
 def rates(p, y, u, d):
     """Fill the time derivatives of the smooth states."""
     torque = torsion(p, y)
-    if p.closed > 0.0:
+    if p.pressed > 0.0:
+        given_pressures(d, u)
+    elif p.closed > 0.0:
         closed_centre(p, y, d, u)
     else:
         open_centre(p, y, d, u, torque)

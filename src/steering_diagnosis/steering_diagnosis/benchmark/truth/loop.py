@@ -113,8 +113,9 @@ def simulate(
     """Run all ticks; return the number of ticks done (fewer where the state was lost).
 
     out: (true (n, 9), measured (n, 9), driver (n, 2), left (n, 2), right (n, 2), load (n, 3),
-    balance (n, 2)). With ``par.clamped`` the true rows 0, 1 and 8 and all commands are given, and
-    balance holds the driver's torque that the column needs and the force beyond the load's command.
+    balance (n, 2)). With ``par.clamped`` the true rows 0, 1 and 8 and all commands are given
+    (with ``par.pressed`` the chambers' pressures, rows 3 and 4, as well), and balance holds the
+    driver's torque that the column needs and the force beyond the load's command.
     relaxing: share of a tyre's force that builds up in a tick, 1 at once.
     """
     p = par[0]
@@ -131,6 +132,10 @@ def simulate(
             u[s.ACCELERATION] = (true[after, 1] - true[tick, 1]) / TICK
             u[s.FORCE_IN], u[s.STIFFNESS_IN] = true[tick, 8], 0.0
             u[s.RISE] = (true[after, 8] - true[tick, 8]) / TICK
+            if p.pressed > 0.0:
+                y[s.LEFT], y[s.RIGHT] = true[tick, 3], true[tick, 4]
+                u[s.LEFT_RISE] = (true[after, 3] - true[tick, 3]) / TICK
+                u[s.RIGHT_RISE] = (true[after, 4] - true[tick, 4]) / TICK
             balance[tick, 0] = (
                 p.steering_wheel_inertia * u[s.ACCELERATION] + torsion(p, y) + column(p, y)
             )

@@ -73,7 +73,8 @@ def run_closed_loop(
     out = tuple(np.zeros((n, k)) for k in (9, 9, 2, 2, 2, 3, 2))
     y, u = rest(specimen, closed), np.zeros(s.INPUTS)
     cores = [_controller(nominal, side) for side in ("left", "right")]
-    done = _simulate(specimen, closed, False, y, u, added, resolution, driver, vehicle, cores, out)
+    par = specimen.par(closed, clamped=False)
+    done = _simulate(specimen, par, y, u, added, resolution, driver, vehicle, cores, out)
     if done < n:
         raise BenchError(f"the truth's loop was lost after {(done - LED_IN) * 1e-3:.3f} s")
     cut = [rows[LED_IN:] for rows in out]
@@ -87,10 +88,12 @@ def run_clamped(
     given: Signals,
     closed: bool,
     steps: int | None = None,
+    pressed: bool = False,
 ) -> Signals:
     """Run a specimen along the true wheel angle, rack force and commands of ``given``.
 
-    What a replay of the record would see; ideal resolution, no noise.
+    What a replay of the record would see; ideal resolution, no noise. pressed: along the chambers'
+    pressures as well, for a record without the valves' commands.
     """
     n = len(given.true)
     out = (
@@ -108,7 +111,8 @@ def run_clamped(
     y, u = rest(specimen, closed), np.zeros(s.INPUTS)
     y[s.RACK] = given.true[0, s.RACK_OUT]
     noise = np.zeros((n, s.CHANNELS))
-    done = _simulate(specimen, closed, True, y, u, noise, None, driver, vehicle, cores, out, steps)
+    par = specimen.par(closed, clamped=True, pressed=pressed)
+    done = _simulate(specimen, par, y, u, noise, None, driver, vehicle, cores, out, steps)
     if done < n:
         raise BenchError(f"the clamped truth was lost after {done * 1e-3:.3f} s")
     return Signals(*out)
@@ -135,8 +139,7 @@ def _controller(nominal: ParameterSet, side: str) -> ValveController:
 
 def _simulate(
     specimen: Specimen,
-    closed: bool,
-    clamped: bool,
+    par: np.ndarray,
     y: np.ndarray,
     u: np.ndarray,
     noise: np.ndarray,
@@ -147,6 +150,7 @@ def _simulate(
     out: tuple[np.ndarray, ...],
     steps: int | None = None,
 ) -> int:
+    closed = bool(par["closed"][0])
     steps = SUBSTEPS[closed] if steps is None else steps
     sensors = np.column_stack(
         [specimen.sensors, np.zeros(s.CHANNELS) if resolution is None else resolution]
@@ -164,7 +168,7 @@ def _simulate(
     )
     return int(
         simulate(
-            specimen.par(closed, clamped),
+            par,
             steps,
             y,
             u,

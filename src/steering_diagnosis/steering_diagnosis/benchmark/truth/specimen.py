@@ -83,12 +83,12 @@ class Specimen:
     sensors: np.ndarray
     delays: np.ndarray
 
-    def par(self, closed: bool, clamped: bool) -> np.ndarray:
+    def par(self, closed: bool, clamped: bool, pressed: bool = False) -> np.ndarray:
         """Return the record, shape (1,), that the kernels read."""
         values = {
             n.partition(".")[2]: v for n, v in self.sheet.items() if n.split(".")[0] in GROUPS
         }
-        flags = {"closed": float(closed), "clamped": float(clamped)}
+        flags = {"closed": float(closed), "clamped": float(clamped), "pressed": float(pressed)}
         return record(values | dict(self.extras) | flags)
 
 

@@ -7,17 +7,19 @@ from pathlib import Path
 
 from steering_core.errors import BenchError
 from steering_core.naming import unknown
-from steering_diagnosis.data.foreign.csv_file import read_csv
+from steering_diagnosis.data.foreign.csv_table import read_csv
 from steering_diagnosis.data.foreign.matlab import read_matlab
 from steering_diagnosis.data.foreign.mdf_file import read_mdf
 from steering_diagnosis.data.foreign.raw import Raw
 from steering_diagnosis.data.mapping import Mapping
 
-__all__ = ["READERS", "Raw", "read_foreign"]
+__all__ = ["READERS", "TABLES", "Raw", "read_foreign"]
+
+TABLES = frozenset((".csv", ".tsv", ".txt", ".lvm", ".gz"))
+"""Endings of text tables; what is compressed with gzip is taken for one."""
 
 READERS: dict[str, Callable[[Path, Mapping], dict[str, Raw]]] = {
-    ".csv": read_csv,
-    ".txt": read_csv,
+    **dict.fromkeys(sorted(TABLES), read_csv),
     ".mat": read_matlab,
     ".mf4": read_mdf,
     ".mdf": read_mdf,
@@ -34,6 +36,8 @@ def read_foreign(path: Path, mapping: Mapping) -> dict[str, Raw]:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise BenchError(f"'{path}': {unknown('kind of file', path.suffix, READERS)}")
+    if path.is_dir():
+        raise BenchError(f"'{path}' is a folder: give the file in it")
     if not path.is_file():
         raise BenchError(f"there is no file '{path}'")
     for name, channel in mapping.channels.items():

@@ -89,7 +89,8 @@ def _plain(path: Path, name: str | None) -> dict[str, Any]:
         if isinstance(item, h5py.Group):
             return {key: content(child) for key, child in item.items()}
         try:
-            return item[()]
+            # MATLAB's columns are HDF5's rows.
+            return item[()].T if "MATLAB_class" in item.attrs else item[()]
         except Exception as error:
             return Unreadable(error)
 

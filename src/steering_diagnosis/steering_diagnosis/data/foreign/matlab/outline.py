@@ -12,8 +12,8 @@ from steering_core.errors import BenchError
 Kind = Literal["4", "5", "7.3", "HDF5"]
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-USER_BLOCK = 512
-"""Bytes before the HDF5 part of a version 7.3 file."""
+PLACES_OF_HDF5 = (0, 512, 1024, 2048)
+"""Bytes that may stand before an HDF5 file (its specification, II.A); 512 in MATLAB's."""
 
 HEADER = 128
 """Bytes of text, version and byte order before the first variable of version 5 to 7.3."""
@@ -35,17 +35,18 @@ def check(path: Path) -> Kind:
     """Return the version of a MAT file; BenchError says in what it is none, or where it ends."""
     size = path.stat().st_size
     with path.open("rb") as file:
-        head = file.read(USER_BLOCK + len(HDF5_SIGNATURE))
+        head = file.read(PLACES_OF_HDF5[-1] + len(HDF5_SIGNATURE))
         if not head:
             raise _broken(path, "it is empty")
-        if head.startswith(HDF5_SIGNATURE):
-            return "HDF5"
+        is_hdf5 = any(head.startswith(HDF5_SIGNATURE, place) for place in PLACES_OF_HDF5)
         order = {b"IM": "<", b"MI": ">"}.get(head[126:128])
+        if order is None and is_hdf5:
+            return "HDF5"
         if order is None:
             _check_version_4(path, file, head, size)
             return "4"
         if head[125 if order == "<" else 124] == 2:
-            if head[USER_BLOCK:] != HDF5_SIGNATURE:
+            if not is_hdf5:
                 raise _broken(path, "it says it is version 7.3, but holds no HDF5 file")
             return "7.3"
         _check_version_5(path, file, order, size)

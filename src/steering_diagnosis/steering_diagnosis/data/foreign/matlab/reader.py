@@ -12,7 +12,7 @@ from steering_diagnosis.data.foreign.matlab.load import load
 from steering_diagnosis.data.foreign.matlab.tree import walk
 from steering_diagnosis.data.foreign.raw import Raw
 from steering_diagnosis.data.mapping import MappedChannel, Mapping
-from steering_diagnosis.data.units import FACTORS
+from steering_diagnosis.data.units import factor, same
 
 AGREEING = 1e-3
 """Share of a sampling period by which two clocks of one channel may differ."""
@@ -87,7 +87,7 @@ def _check_days(path: Path, name: str, time: Vector, mapping: Mapping) -> None:
     least, most = DATE_NUMBERS
     steps = np.abs(np.diff(time.values))
     within = time.scale is None and np.all((time.values > least) & (time.values < most))
-    if within and mapping.time_unit != "d" and float(np.median(steps)) < DATE_STEP:
+    if within and not same(mapping.time_unit, "d", "s") and float(np.median(steps)) < DATE_STEP:
         raise BenchError(
             f"'{path}': '{name}' looks like MATLAB's date numbers, which are days: "
             f"give 'time_unit: d', not '{mapping.time_unit}'"
@@ -98,4 +98,4 @@ def _in_unit(times: np.ndarray, scale: float | None, mapping: Mapping) -> np.nda
     """Return instants in the mapping's unit, in which they are where the file says none."""
     if scale is None:
         return times
-    return times * (scale / FACTORS["s"][mapping.time_unit])
+    return times * (scale / factor(mapping.time_unit, "s", "time_unit"))
