@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
+from mcap.records import DataEnd, Footer
+from mcap.stream_reader import StreamReader
 from rosbags.highlevel import AnyReader
 
 from steering_bringup.bags import BagError, BagWriter, first_difference, read_bag, repair
@@ -230,3 +233,46 @@ def test_a_chunk_that_is_no_longer_known_as_one_is_missed(make_bag):
     assert not trace.complete
     assert "300 messages were recorded" in trace.notes[0]
     assert "150 messages up to tick 49 were recovered" in trace.notes[0]
+
+
+def test_a_file_has_the_checksums_of_the_mcap_specification(make_bag):
+    """The library of the format's authors checks those of chunks and data; the summary's here."""
+    file = make_bag(compress=True) / "run.mcap"
+    content = file.read_bytes()
+    with file.open("rb") as opened:
+        reader = make_reader(opened, validate_crcs=True)
+        assert len(list(reader.iter_messages())) == 600
+    with file.open("rb") as opened:
+        ends = [r for r in StreamReader(opened, validate_crcs=True).records if r is not None]
+    (data_end,) = (record for record in ends if isinstance(record, DataEnd))
+    (footer,) = (record for record in ends if isinstance(record, Footer))
+    assert data_end.data_section_crc == zlib.crc32(content[: footer.summary_start - 13])
+    assert footer.summary_crc == zlib.crc32(content[footer.summary_start : -12])
+
+
+def test_damage_beside_the_chunks_is_told_and_costs_no_message(make_bag):
+    path = make_bag()
+    file = path / "run.mcap"
+    content = bytearray(file.read_bytes())
+    place = content.index(b"serialized_metadata") + 40
+    content[place] ^= 1
+    file.write_bytes(content)
+    trace = read_bag(path, repair_damage=False)
+    assert trace.message_count == 600
+    assert any("a checksum does not fit" in note for note in trace.notes)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.95])
+def test_a_compressed_bag_that_is_cut_off_gives_what_is_before_the_cut(make_bag, share):
+    """A block of zstd, 128 kB of messages, is unpacked whole or not at all."""
+    path = make_bag(count=4000, per_chunk=4000, compress=True, flush_seconds=60.0)
+    whole = read_bag(path)
+    (path / "metadata.yaml").unlink()
+    content = (path / "run.mcap").read_bytes()
+    _cut(path, int(share * len(content)))
+    trace = read_bag(path)
+    assert len(trace["/driver/torque"]) > share * 4000 - 131072 / 250
+    for topic in whole.types:
+        count = len(trace[topic])
+        assert np.array_equal(trace[topic], whole[topic][:count])
+    assert read_bag(path).complete

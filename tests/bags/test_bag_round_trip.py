@@ -55,6 +55,15 @@ def test_a_bag_says_which_distribution_its_messages_are_of(make_bag):
     assert [f.name for f in sorted(path.iterdir())] == ["metadata.yaml", "run.mcap", "run.yaml"]
 
 
+def test_metadata_say_when_a_run_was_started(tmp_path, topics):
+    run = {"started": "2026-02-03T04:05:06+00:00"}
+    with BagWriter(tmp_path / "run", topics, run):
+        pass
+    information = yaml.safe_load((tmp_path / "run" / "metadata.yaml").read_text())
+    custom = information["rosbag2_bagfile_information"]["custom_data"]
+    assert custom["steering_started"] == run["started"]
+
+
 def test_the_same_ticks_compress_to_the_same_bytes(make_bag, random_ticks, topics, tmp_path):
     stamps, payloads = random_ticks(500)
     files = []

@@ -78,9 +78,7 @@ def write_bag(plan: Plan, trace: DirectTrace, vehicle: Vehicle) -> int:
     payloads = {
         t: replayed[t] if t in replayed else _payload(t, columns[t], rate[t]) for t in types
     }
-    with BagWriter(
-        plan.bag, types, plan.metadata(), compress=plan.manner.compress
-    ) as writer:
+    with BagWriter(plan.bag, types, plan.metadata(), compress=plan.manner.compress) as writer:
         for start in range(0, plan.scenario.ticks, BLOCK_TICKS):
             for every in sorted(set(rate.values())):
                 first = -(-start // every)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import zlib
 from contextlib import suppress
 from pathlib import Path
 
@@ -23,6 +24,8 @@ class AppendFile:
             fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._flushed = os.fstat(self._descriptor).st_size
         self._pending = bytearray()
+        self.checksum = zlib.crc32(path.read_bytes())
+        """CRC-32 of everything flushed so far."""
 
     def write(self, data: bytes | bytearray | memoryview) -> int:
         """Add bytes to the next flush."""
@@ -44,6 +47,7 @@ class AppendFile:
             os.ftruncate(self._descriptor, self._flushed)
             raise
         self._flushed += len(pending)
+        self.checksum = zlib.crc32(pending, self.checksum)
 
     def close(self) -> None:
         """Flush and close; the file is closed even if the flush fails."""

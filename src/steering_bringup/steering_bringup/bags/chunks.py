@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import zstandard
 from rosbags.rosbag2.storage_mcap import DECOMPRESSORS
 
 from steering_bringup.bags import mcap_bytes as mcap
@@ -165,13 +166,14 @@ def open_chunk(data: memoryview, start: int, body: int, end: int, found: Scan) -
 
 
 def salvage(rest: memoryview, found: Scan) -> None:
-    """Messages of a chunk whose end is missing: those before the cut, if not compressed."""
-    if len(rest) < 32:
+    """Take the messages of a chunk whose end is missing: those that are whole before the cut."""
+    try:
+        name, position = text_at(rest, 28)
+        content = rest[position + 8 :]
+        if name:
+            content = _beginning(name, content)
+    except Exception:  # cut in its head, or damaged as well
         return
-    (name_size,) = u32(rest, 28)
-    if name_size or len(rest) < 40:
-        return
-    content = rest[40:]
     offsets, _ = walk(content, found)
     if offsets:
         found.blocks.append(Block(content, offsets))
@@ -229,6 +231,13 @@ def _pairs(body: memoryview, position: int) -> Iterator[tuple[str, str]]:
         key, position = text_at(body, position)
         value, position = text_at(body, position)
         yield key, value
+
+
+def _beginning(name: str, packed: memoryview) -> memoryview:
+    """Return the blocks that are whole in a chunk without its end; none where it is no zstd."""
+    if name != "zstd":
+        return memoryview(b"")
+    return memoryview(zstandard.ZstdDecompressor().decompressobj().decompress(packed.tobytes()))
 
 
 def _decompress(name: str, packed: memoryview) -> memoryview:

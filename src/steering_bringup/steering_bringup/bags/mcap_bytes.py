@@ -11,7 +11,7 @@ import numpy as np
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX = 0x02, 0x03, 0x04, 0x05, 0x06, 0x07
-STATISTICS = 0x0B
+STATISTICS, DATA_END = 0x0B, 0x0F
 CUT_CHUNK = -1  # not in the file format: a chunk record whose end is missing
 RECORD_HEAD = 9
 PAYLOAD = 31  # from a message record's start to its payload

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterator
 
 import numpy as np
@@ -43,6 +44,8 @@ def scan(data: memoryview) -> Scan:
             loose.setdefault(found.current.get(number, number), []).append(start)
         elif op == mcap.STATISTICS and end - body >= 8:
             (expected,) = mcap.u64(data, body)
+        elif op == mcap.DATA_END and end - body >= 4 and not found.damage:
+            _check_data(data[:start], mcap.u32(data, body)[0], found)
         else:
             define(op, data[body:end], found)
     if pending:
@@ -56,6 +59,12 @@ def scan(data: memoryview) -> Scan:
     if not found.finished and not found.damage:
         found.damage.append("the file's end is missing")
     return found
+
+
+def _check_data(data: memoryview, checksum: int, found: Scan) -> None:
+    """Compare everything before the end of the data with its checksum, 0 where there is none."""
+    if checksum and zlib.crc32(data) != checksum:
+        found.damage.append("something beside its chunks is damaged: a checksum does not fit")
 
 
 def _records(data: memoryview, position: int, found: Scan) -> Iterator[tuple[int, int, int, int]]:

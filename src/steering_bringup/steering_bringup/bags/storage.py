@@ -1,7 +1,8 @@
 """rosbags' MCAP storage with a cheap append and chunks that reach the disk as the run goes.
 
 rosbags writes the file's format; what differs here is only the hot path: a message costs about
-a microsecond, a chunk carries its checksum and its index, and it is on disk when it is closed.
+a microsecond, a chunk carries its checksum and its index, and it is on disk when it is closed. The
+file's data and its summary have checksums as well.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from rosbags.rosbag2.enums import CompressionMode, StoragePlugin
 from rosbags.rosbag2.storage_mcap import McapWriter
 
 from steering_bringup.bags.append_file import AppendFile
+from steering_bringup.bags.file_end import FileEnd
 
 DISTRIBUTION = "jazzy"
 """Of ROS 2, whose message definitions the bench's are; other tools look types up by it."""
@@ -40,7 +42,8 @@ class FlushedMcap(McapWriter):
     def __init__(self, path: Path, compression: CompressionMode) -> None:
         super().__init__(path, compression)
         self.bio.close()
-        self.bio = AppendFile(self.path)  # type: ignore[assignment]
+        self.file = AppendFile(self.path)
+        self.bio = self.file  # type: ignore[assignment]
         self.index: dict[int, array[int]] = {}
         self.last_stamp: int | None = None
 
@@ -90,7 +93,14 @@ class FlushedMcap(McapWriter):
 
     def close(self, version: int, metadata: str) -> None:
         """Write index and summary; the metadata go into the file as well."""
+        if self.chunk.bio.tell():
+            self.close_chunk()
+        end = FileEnd(self.file.tell())
+        self.bio = end  # type: ignore[assignment]
         super().close(version, _of_distribution(metadata))
+        self.bio = self.file  # type: ignore[assignment]
+        self.file.write(end.with_checksums(self.file.checksum))
+        self.file.close()
 
     def discard_chunk(self) -> None:
         """Forget what is not on disk yet."""

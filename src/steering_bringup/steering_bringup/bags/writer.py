@@ -22,6 +22,8 @@ from steering_bringup.bags.storage import FlushedMcap, FlushedWriter
 
 RUN_KEY = "steering_run"
 OUTCOME_KEY = "steering_outcome"
+STARTED_KEY = "steering_started"
+"""Wall-clock time of the start; the stamps in a bag are the run's own and begin at 0."""
 COMPLETE, BROKEN_OFF = "complete", "broken off"
 BROKEN_OFF_KEY = "broken_off"
 """Of why, in the run's metadata: known when all of it is over."""
@@ -170,6 +172,8 @@ class BagWriter:
         if self._writer.storage is None:
             return
         self._writer.set_custom_data(RUN_KEY, json.dumps(self._run, allow_nan=True))
+        if "started" in self._run:
+            self._writer.set_custom_data(STARTED_KEY, str(self._run["started"]))
         known = self._failure
         if known is None:
             with suppress(BagError):
