@@ -12,6 +12,7 @@ from rig_links import DEMAND, FRAME, MEASURED, RIG
 
 from rig_bridge.transport.assembly import Unwrapped
 from rig_bridge.transport.can_codec import CanCodec
+from rig_bridge.transport.can_layout import Bus
 from rig_bridge.transport.dbc import load_dbc
 from rig_bridge.transport.packets import PacketError
 from steering_core.errors import BenchError
@@ -22,7 +23,11 @@ TEXT = DBC.read_text()
 
 def codec(text=TEXT, rig=RIG):
     database: Any = cantools.database.load_string(text, "dbc")
-    return CanCodec(rig, database)
+    return CanCodec(rig, [Bus("can0", database)])
+
+
+def by_number(frames):
+    return {frame.number: frame.data for frame in frames}
 
 
 def taken(there, frames):
@@ -31,7 +36,7 @@ def taken(there, frames):
 
 def test_counts_on_the_bus_by_hand():
     """Angle 0.1 rad is 12500 counts of 8 urad in the lowest 20 bits of message 256."""
-    frames = dict(codec().pack_frame(FRAME))
+    frames = by_number(codec().pack_frame(FRAME))
     word = int.from_bytes(frames[256], "little")
     assert word & 0xFFFFF == 12500
     assert (word >> 20) & 0xFFFFF == (-10000) % 2**20
@@ -41,7 +46,7 @@ def test_counts_on_the_bus_by_hand():
 
 def test_cantools_reads_the_same():
     database: Any = load_dbc(DBC)
-    frames = dict(codec().pack_demand(DEMAND))
+    frames = by_number(codec().pack_demand(DEMAND))
     assert database.decode_message("Load", frames[515])["Stiffness"] == 5e4 / 40.0
     assert database.decode_message("LeftValve", frames[513])["LeftForce"] == 40000
 
@@ -55,7 +60,7 @@ def test_scale_and_offset_of_the_dbc_file_come_before_the_table_s():
     channels["steering_wheel_angle"] = row.model_copy(update={"scale": math.pi / 180.0})
     there = codec(TEXT.replace(old, new), RIG.model_copy(update={"channels": channels}))
     frames = there.pack_frame(FRAME._replace(values=(math.radians(-31.4), *MEASURED[1:])))
-    assert int.from_bytes(dict(frames)[256], "little") & 0xFFFFF == 3686
+    assert int.from_bytes(by_number(frames)[256], "little") & 0xFFFFF == 3686
     assert taken(there, frames)[0].values[0] == pytest.approx(math.radians(-31.4))
 
 

@@ -9,6 +9,7 @@ import pytest
 from healthy_rig import EMULATED
 from rig_links import DEMAND, FRAME, RIG, both_ends, link_settings
 
+from rig_bridge.transport.can_bus import open_bus
 from rig_bridge.transport.can_hub import CanHub
 from rig_bridge.transport.can_link import CanLink
 from rig_bridge.transport.registry import open_link
@@ -18,9 +19,10 @@ from steering_core.errors import BenchError
 
 def test_other_devices_on_the_bus_are_passed_over():
     with both_ends("can") as (bench, rig):
-        rig.bus.send(can.Message(arbitration_id=0x700, data=b"12345678", is_extended_id=False))
+        bus = rig.buses.buses[0]
+        bus.send(can.Message(arbitration_id=0x700, data=b"12345678", is_extended_id=False))
         rig.send_frame(FRAME)
-        rig.bus.send(can.Message(arbitration_id=0x18FF00F1, data=b"1", is_extended_id=True))
+        bus.send(can.Message(arbitration_id=0x18FF00F1, data=b"1", is_extended_id=True))
         assert len(bench.receive_frames(1.0)) == 1
         assert bench.bad == 0
 
@@ -92,8 +94,8 @@ def refuse(server):
 
 
 def test_no_such_interface_is_one_clear_line():
-    with pytest.raises(BenchError, match="cannot open the CAN bus"):
-        open_link("can", RIG, EMULATED.parent, {"interface": "none_such"})
+    with pytest.raises(BenchError, match="did you mean 'socketcan"):
+        open_link("can", RIG, EMULATED.parent, {"interface": "socketcam"})
     with pytest.raises(BenchError, match="cannot open the CAN bus socketcan nocan7"):
         open_link("can", RIG, EMULATED.parent, {"channel": "nocan7"})
 
@@ -105,7 +107,7 @@ def test_can_without_a_dbc_file_is_refused(tmp_path):
 
 def test_the_hub_serves_several_and_survives_one_that_leaves():
     with link_settings("can") as settings:
-        buses = [can.Bus(**CanSettings.model_validate(settings).options()) for _ in range(3)]
+        buses = [open_bus(CanSettings.model_validate(settings)) for _ in range(3)]
         buses[0].shutdown()
         buses[1].send(can.Message(arbitration_id=0x123, data=b"\x00\x0f\xff", is_extended_id=False))
         message = buses[2].recv(1.0)

@@ -50,7 +50,10 @@ class Bridge:
         """
         frames = self.link.receive_frames(timeout_s)
         self.arrived_ns = self.clock()
-        measured = self.guard.measure(frames, self.arrived_ns, link_up=self.link.up)
+        link = self.link
+        measured = self.guard.measure(
+            frames, self.arrived_ns, link_up=link.up, problem=link.problem, unheard=link.unheard
+        )
         if self.guard.measurements.fresh:
             rig_ns = self.guard.measurements.clock.rig_ns
             waited = 0 if rig_ns is None else self.offset.see(rig_ns, self.arrived_ns)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import json
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -24,29 +25,54 @@ BUS_READY_S = 30.0
 @contextmanager
 def emulated(
     path: Path, rig: RigFile, kind: str, priority: int = 0
-) -> Iterator[tuple[dict[str, Any], Helper]]:
+) -> Iterator[tuple[Any, Helper]]:
     """Start the emulated rig of the file ``path`` on its link; give the link's settings.
 
     priority: of the real-time scheduler, where this is permitted; 0: none. Raises BenchError for a
     link that leaves this machine.
     """
     assert rig.emulator is not None
-    settings = {name: v for name, v in rig.settings(kind).items() if v is not None}
+    settings = rig.settings(kind)
     with ExitStack() as stack:
         if kind == "udp":
             settings = {end: _place(str(place)) for end, place in settings.items()}
-        elif settings["interface"] == "socketcand":
-            _check_loopback(str(settings.get("host", "")))
-            port = str(settings.get("port", 0))
-            bus = stack.enter_context(helper("rig_bridge.transport.can_hub", [port], BUS_READY_S))
-            settings["port"] = bus.said["port"]
-            _hurry(bus, priority)
+        else:
+            _serve(settings, stack, priority)
         words = ["--attached", "--link", kind, "--rig", str(path)]
         words += ["--emulator", str(path.parent / rig.emulator)]
-        words += [f"--setting={name}={value}" for name, value in settings.items()]
+        words += ["--settings", json.dumps(settings)]
         rig_process = stack.enter_context(helper("rig_bridge.emulator.main", words, READY_S))
         _hurry(rig_process, priority)
         yield settings, rig_process
+
+
+def _serve(buses: list[dict[str, Any]], stack: ExitStack, priority: int) -> None:
+    """Start a server for each port that a socketcand bus names, and note free ones that it takes.
+
+    BenchError for a bus that does not connect two processes of this machine, and only those.
+    """
+    served: dict[int, int] = {}
+    for bus in buses:
+        kind, port = bus["interface"], bus.get("port", 0)
+        if kind == "socketcand":
+            _check_loopback(bus.get("host", ""))
+            if port not in served:
+                words = [str(port)]
+                hub = stack.enter_context(
+                    helper("rig_bridge.transport.can_hub", words, BUS_READY_S)
+                )
+                served[port] = hub.said["port"]
+                _hurry(hub, priority)
+            bus["port"] = served[port]
+        elif kind == "virtual":
+            raise BenchError(
+                "an emulated rig is a process of its own, and a virtual CAN bus ends with the "
+                "process: use socketcand with host 127.0.0.1"
+            )
+        elif kind == "udp_multicast" and bus.get("hop_limit") != 0:
+            raise BenchError(
+                "an emulated rig stays on this machine: give udp_multicast hop_limit 0"
+            )
 
 
 def _place(endpoint: str) -> str:

@@ -81,10 +81,9 @@ class RigFile(Strict):
         """Names of the commanded channels, in the order of the bench's messages."""
         return tuple(name for name in COMMANDED if name in self.channels)
 
-    def settings(self, kind: str) -> dict[str, Any]:
-        """Return the settings of a link of this kind."""
-        settings: Strict = getattr(self.links, kind)
-        return settings.model_dump()
+    def settings(self, kind: str) -> Any:
+        """Return the settings of a link of this kind: a mapping, of CAN a list of one for a bus."""
+        return self.links.model_dump(exclude_none=True)[kind]
 
     def rows(self, names: Iterable[str]) -> list[Channel]:
         """Return the channels called ``names``."""

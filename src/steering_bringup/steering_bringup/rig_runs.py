@@ -30,12 +30,16 @@ OnFault = Literal["end", "hold"]
 
 @dataclass(frozen=True)
 class RigChoice:
-    """Which rig takes the plant's place. ``path`` of its file; ``link``: udp or can."""
+    """Which rig takes the plant's place.
+
+    ``path`` of its file; ``link``: udp or can; ``told``: what the check of the link says.
+    """
 
     path: Path
     rig: RigFile
     link: str
     on_fault: OnFault = "end"
+    told: tuple[str, ...] = ()
 
     def metadata(self) -> dict[str, Any]:
         """Return what a bag tells of the rig before the run."""
@@ -46,7 +50,8 @@ class RigChoice:
     def notes(self, effects: Mapping[str, Any]) -> list[str]:
         """Return what a reader of the results must know."""
         kind = "emulated rig" if self.rig.emulator else "rig"
-        notes = [f"measured on the {kind} '{self.rig.name}' over {self.link}: {self.path}"]
+        where = f"the {kind} '{self.rig.name}' over {self.link}: {self.path}"
+        notes = [f"measured on {where}", *self.told]
         if effects:
             listed = ", ".join(effects)
             notes.append(f"the rig has its own physics: effects of the plant do nothing ({listed})")
@@ -91,8 +96,8 @@ def choose_rig(name: str, link: str | None, on_fault: OnFault) -> RigChoice:
     path = find_rig(name).resolve()
     rig = load_rig(path)
     chosen = link or rig.link
-    check_link(chosen, rig, path.parent)
-    return RigChoice(path, rig, chosen, on_fault)
+    told = check_link(chosen, rig, path.parent)
+    return RigChoice(path, rig, chosen, on_fault, tuple(told))
 
 
 def with_rig(node_set: NodeSet, choice: RigChoice) -> NodeSet:

@@ -62,6 +62,8 @@ def _rig(rig: dict[str, Any]) -> list[str]:
     }
     counts = [f"{rig[name]} {text}" for name, text in names.items()]
     shown += [f"  counts       {', '.join(counts[:4])}", f"               {', '.join(counts[4:])}"]
+    if rig.get("link_problem"):
+        shown.append(f"  link         {rig['link_problem']}")
     if rig.get("clock_drift") is not None:
         shown.append(f"  rig's clock  {rig['clock_drift'] * 1e6:+.1f} ppm slow against this one's")
     return shown

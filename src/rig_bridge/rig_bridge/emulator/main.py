@@ -35,6 +35,7 @@ def parser() -> argparse.ArgumentParser:
     )
     arguments.add_argument("--link", choices=sorted(TRANSPORTS), default="udp")
     arguments.add_argument("--setting", action="append", default=[], metavar="NAME=VALUE")
+    arguments.add_argument("--settings", metavar="JSON", help="all settings, of several buses too")
     arguments.add_argument(
         "--attached", action="store_true", help="end when standard input is closed"
     )
@@ -57,7 +58,21 @@ def run(
 
 def _values(texts: list[str]) -> dict[str, Any]:
     pairs = [text.partition("=") for text in texts]
-    return {name: int(value) if name == "port" else value for name, _, value in pairs}
+    return {name: _value(value) for name, _, value in pairs}
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+def _settings(arguments: argparse.Namespace) -> Any:
+    try:
+        return json.loads(arguments.settings) if arguments.settings else _values(arguments.setting)
+    except ValueError as error:
+        raise BenchError(f"--settings is no JSON: {error}") from None
 
 
 def main() -> int:
@@ -70,7 +85,7 @@ def main() -> int:
         path = Path(arguments.rig)
         table: RigFile = load_rig(path)
         settings = load_settings(arguments.emulator)
-        given = _values(arguments.setting)
+        given = _settings(arguments)
         link = open_link(arguments.link, table, path.parent, given, rig_end=True)
         EmulatedRig(table, settings, link.sequence_bits).step([])  # compiles before the clock runs
     except BenchError as error:

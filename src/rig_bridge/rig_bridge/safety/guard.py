@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 from rig_bridge.rig_file import RigFile
@@ -63,16 +63,24 @@ class Guard:
         return self.command(asked, asked_age=asked_age, late=late, reset=reset)
 
     def measure(
-        self, frames: Iterable[Frame], now_ns: int, *, link_up: bool = True
+        self,
+        frames: Iterable[Frame],
+        now_ns: int,
+        *,
+        link_up: bool = True,
+        problem: str | None = None,
+        unheard: Callable[[], str | None] = lambda: None,
     ) -> Mapping[str, float]:
         """Begin a tick: take what has come; return the measurements that may be used, SI, by name.
 
         frames: those since the last tick. now_ns: this machine's clock. link_up: False when the
-        transport knows that nobody is there.
+        transport knows that nobody is there; problem: why. unheard: whose frames do not come.
         """
         self.wrong = self.measurements.tick(frames, now_ns, self.commands.sent)
         if not link_up:
-            self.wrong = Fault(Kind.LINK, None, "the transport reports it")
+            self.wrong = Fault(Kind.LINK, None, problem or "the transport reports it")
+        elif self.wrong is not None and self.wrong.kind is Kind.STALE and (names := unheard()):
+            self.wrong = self.wrong._replace(text=f"{self.wrong.text}: {names}")
         return self.measurements.values
 
     def command(

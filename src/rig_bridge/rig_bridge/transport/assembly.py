@@ -2,46 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from cantools.database.can import Message
+from rig_bridge.transport.can_layout import Key, Slot
+from rig_bridge.transport.packets import OwnFrameError, PacketError
 
-from rig_bridge.transport.packets import PacketError
-
-Parts = dict[int, dict[str, int]]
+Parts = dict[Key, Mapping[str, Any]]
 
 
 class Assembly:
-    """Collects the frames of each packet; incomplete ones older than a complete one are dropped."""
+    """Collects the frames of each packet; incomplete ones older than a complete one are dropped.
 
-    def __init__(self, messages: Mapping[int, Message], counter_bits: int) -> None:
-        self.messages = messages
+    slots: the messages of a packet. own: those that this end sends, which nobody else may.
+    """
+
+    def __init__(
+        self, slots: Mapping[Key, Slot], own: Mapping[Key, Slot], counter_bits: int
+    ) -> None:
+        self.slots = slots
+        self.own = own
+        self.alike = {key[:2]: slot for key, slot in slots.items()}
         self.modulus = 1 << counter_bits
         self.partial: dict[int, Parts] = {}
+        self.heard: set[Key] = set()
 
-    def take(self, number: int, data: bytes) -> Parts | None:
-        """Take a CAN frame (others than this direction's are passed over); return whole packets.
+    def take(self, key: Key, data: bytes, fd: bool) -> Parts | None:
+        """Take a CAN frame (others' are passed over); return a packet once it is whole.
 
-        Raises PacketError for a frame that is too short.
+        Raises PacketError for a frame that only looks like one of this direction.
         """
-        message = self.messages.get(number)
-        if message is None:
+        slot = self.slots.get(key)
+        if slot is None:
+            self._check_foreign(key)
             return None
-        if len(data) < message.length:
-            raise PacketError(
-                f"CAN frame {message.name} of {len(data)} bytes, not {message.length}"
-            )
-        signals: Any = message.decode(data, decode_choices=False, scaling=False)
-        counter = int(signals["Counter"])
+        if len(data) != slot.length or fd is not slot.fd:
+            raise PacketError(_unlike(slot, len(data), fd))
+        signals: Any = slot.message.decode(data, decode_choices=False, scaling=False)
+        counter = signals["Counter"]
         parts = self.partial.setdefault(counter, {})
-        parts[number] = {name: int(value) for name, value in signals.items()}
-        if len(parts) < len(self.messages):
+        parts[key] = signals
+        self.heard.add(key)
+        if len(parts) < len(self.slots):
             return None
+        self.heard.clear()
         half = self.modulus // 2
         kept = {c: p for c, p in self.partial.items() if 0 < (c - counter) % self.modulus < half}
         self.partial = kept
         return parts
+
+    def unheard(self) -> list[Slot]:
+        """Return the messages that have not come since the last whole packet."""
+        return [slot for key, slot in self.slots.items() if key not in self.heard]
+
+    def _check_foreign(self, key: Key) -> None:
+        if key in self.own:
+            raise OwnFrameError(f"somebody else sends {self.own[key].message.name}")
+        alike = self.alike.get(key[:2])
+        if alike is not None:
+            bits = 29 if key[2] else 11
+            text = f"identifier 0x{key[1]:X} of {bits} bits"
+            raise PacketError(f"{text} is not {alike.message.name}, which has {alike.bits}")
+
+
+def describe(slots: Iterable[Slot]) -> str:
+    """Return the names of messages, bus by bus."""
+    buses: dict[str, list[str]] = {}
+    for slot in slots:
+        buses.setdefault(slot.bus_name, []).append(slot.message.name)
+    return "; ".join(f"{', '.join(names)} on {bus}" for bus, names in buses.items())
+
+
+def _unlike(slot: Slot, length: int, fd: bool) -> str:
+    kinds = {True: "CAN FD", False: "classic CAN"}
+    if fd is not slot.fd:
+        return f"{slot.message.name} came as a frame of {kinds[fd]}, not of {kinds[slot.fd]}"
+    return f"CAN frame {slot.message.name} of {length} bytes, not {slot.length}"
 
 
 class Unwrapped:

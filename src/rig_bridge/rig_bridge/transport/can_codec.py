@@ -5,86 +5,129 @@ rig, ``BenchStatus`` to it). All carry the signal ``Counter``, the packet's sequ
 its size; a packet is complete when every frame with its number has come. ``RigStatus`` has further
 ``Clock`` (us of the rig's clock) and ``Safe``, ``BenchStatus`` has ``Answers`` and ``Order``, and
 both ``Table``, the low bits of the channel table's and DBC file's signature. A channel without a
-value is sent as the lowest number of a signed signal, or the highest of an unsigned one.
+value is sent as the lowest number of a signed signal, the highest of an unsigned one, or NaN. The
+frames of a packet may be on several buses.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
-from cantools.database.can import Database, Message
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 from rig_bridge.conversion import raw_of, si_of
 from rig_bridge.rig_file import RigFile
-from rig_bridge.transport.assembly import Assembly, Unwrapped
-from rig_bridge.transport.can_fields import CanField, bits, check_signals, find_message
+from rig_bridge.transport.assembly import Assembly, Parts, Unwrapped
+from rig_bridge.transport.can_fields import CanField, bits, check_whole
+from rig_bridge.transport.can_layout import Bus, Key, Layout, Slot
 from rig_bridge.transport.dbc import layout_text
 from rig_bridge.transport.packets import Demand, Frame, PacketError, order_of
 from rig_bridge.transport.signature import signature
 from steering_core.errors import BenchError
 
-RIG_STATUS = ("RigStatus", ("Counter", "Clock", "Safe", "Table"))
-BENCH_STATUS = ("BenchStatus", ("Counter", "Answers", "Order", "Table"))
-CanFrame = tuple[int, bytes]
+COUNTER = {"Counter": 3}
+RIG_STATUS = ("RigStatus", COUNTER | {"Clock": 16, "Safe": 1, "Table": 8})
+BENCH_STATUS = ("BenchStatus", COUNTER | {"Answers": 1, "Order": 2, "Table": 8})
+"""Status frames, and their signals with the least bits that tell one packet from the next."""
+
+
+class CanFrame(NamedTuple):
+    """A frame on one of the buses. ``extended``: the identifier has 29 bits, not 11."""
+
+    number: int
+    data: bytes
+    extended: bool = False
+    fd: bool = False
+    bus: int = 0
 
 
 class _Direction:
-    """The frames of one direction: CAN messages by identifier, and the channels in them."""
+    """The frames of one direction: messages by bus and identifier, and the channels in them."""
 
     def __init__(
         self,
         rig: RigFile,
         names: Sequence[str],
-        database: Database,
-        status: tuple[str, Sequence[str]],
+        layout: Layout,
+        status: tuple[str, Mapping[str, int]],
     ) -> None:
-        self.fields = [CanField(name, rig.channels[name], database) for name in names]
-        self.status = find_message(database, status[0])
-        check_signals(self.status, status[1])
-        messages = {field.message.frame_id: field.message for field in self.fields}
-        for message in messages.values():
-            check_signals(message, ("Counter",))
-        self.messages: dict[int, Message] = {**messages, self.status.frame_id: self.status}
-        sizes = {bits(message, "Counter") for message in self.messages.values()}
+        self.fields = [CanField(name, rig.channels[name], layout) for name in names]
+        self.status = layout.slot(status[0])
+        check_whole(self.status.message, status[1])
+        self.status_key = self.status.key
+        self.slots: dict[Key, Slot] = {}
+        for slot in (*(field.slot for field in self.fields), self.status):
+            if self.slots.setdefault(slot.key, slot) is not slot:
+                name = self.slots[slot.key].message.name
+                raise BenchError(f"{name} and {slot.message.name} have the same CAN identifier")
+            check_whole(slot.message, COUNTER)
+        self.slots[self.status_key] = self.slots.pop(self.status_key)
+        sizes = {bits(slot.message, "Counter") for slot in self.slots.values()}
         if len(sizes) > 1:
             raise BenchError(f"the Counter of {status[0]}'s frames must be equally wide everywhere")
         self.counter_bits = sizes.pop()
-        self.table_mask = (1 << bits(self.status, "Table")) - 1
+        self.table_mask = (1 << bits(self.status.message, "Table")) - 1
+        self.empty = {
+            key: {signal.name: 0 for signal in slot.message.signals}
+            for key, slot in self.slots.items()
+        }
+        self._check_twice(status[1])
 
     def encode(self, values: Sequence[float], counter: int, **status: int) -> list[CanFrame]:
         """Return the CAN frames, the status last."""
-        signals: dict[int, dict[str, int]] = {number: {} for number in self.messages}
+        signals: dict[Key, dict[str, float]] = {key: {**rest} for key, rest in self.empty.items()}
         for field, value in zip(self.fields, values, strict=True):
-            signals[field.message.frame_id][field.signal] = field.encoded(raw_of(field.row, value))
-        signals[self.status.frame_id] |= status
+            signals[field.key][field.signal] = field.encoded(raw_of(field.row, value))
+        signals[self.status_key] |= status
         frames = []
-        for number, message in self.messages.items():
-            whole = {s.name: 0 for s in message.signals} | signals[number]
+        for key, slot in self.slots.items():
+            whole = signals[key]
             whole["Counter"] = counter % (1 << self.counter_bits)
-            frames.append((number, message.encode(whole, scaling=False, strict=False)))
+            data = slot.message.encode(whole, scaling=False, strict=False)
+            bus, number, extended = key
+            frames.append(CanFrame(number, data.ljust(slot.length, b"\0"), extended, slot.fd, bus))
         return frames
 
-    def values(self, parts: Mapping[int, Mapping[str, int]]) -> tuple[float, ...]:
+    def values(self, parts: Parts) -> tuple[float, ...]:
         """Return the SI values of a complete packet."""
-        numbers = (f.decoded(parts[f.message.frame_id][f.signal]) for f in self.fields)
+        numbers = (f.decoded(parts[f.key][f.signal]) for f in self.fields)
         return tuple(si_of(f.row, raw) for f, raw in zip(self.fields, numbers, strict=True))
+
+    def _check_twice(self, status: Iterable[str]) -> None:
+        taken = {f"{slot.message.name}.Counter" for slot in self.slots.values()}
+        taken |= {f"{self.status.message.name}.{name}" for name in status}
+        for field in self.fields:
+            if field.where in taken:
+                raise BenchError(f"channel table: {field.where} stands for two things")
+            taken.add(field.where)
 
 
 class CanCodec:
     """Packets of one rig as CAN frames. ``take_*`` give a packet once its last frame has come."""
 
-    def __init__(self, rig: RigFile, database: Database) -> None:
-        self.rig = _Direction(rig, rig.measured, database, RIG_STATUS)
-        self.bench = _Direction(rig, rig.commanded, database, BENCH_STATUS)
-        shared = self.rig.messages.keys() & self.bench.messages.keys()
+    def __init__(self, rig: RigFile, buses: Sequence[Bus]) -> None:
+        layout = Layout(buses)
+        self.rig = _Direction(rig, rig.measured, layout, RIG_STATUS)
+        self.bench = _Direction(rig, rig.commanded, layout, BENCH_STATUS)
+        shared = self.rig.slots.keys() & self.bench.slots.keys()
         if shared:
-            name = self.rig.messages[shared.pop()].name
+            name = self.rig.slots[shared.pop()].message.name
             raise BenchError(f"the CAN message {name} cannot go both ways")
-        self.signature = signature(rig, layout_text(database))
+        self._check_listed(buses)
+        self.signature = signature(rig, _layouts(buses))
         self.sequence_bits = self.rig.counter_bits
-        self.from_rig = Assembly(self.rig.messages, self.rig.counter_bits)
-        self.from_bench = Assembly(self.bench.messages, self.bench.counter_bits)
-        self.clock = Unwrapped(bits(self.rig.status, "Clock"))
+        self.from_rig = Assembly(self.rig.slots, self.bench.slots, self.rig.counter_bits)
+        self.from_bench = Assembly(self.bench.slots, self.rig.slots, self.bench.counter_bits)
+        self.clock = Unwrapped(bits(self.rig.status.message, "Clock"))
+
+    @property
+    def slots(self) -> list[Slot]:
+        """All messages of both directions."""
+        return [*self.rig.slots.values(), *self.bench.slots.values()]
+
+    def name_of(self, key: Key) -> str | None:
+        """Return the name of the rig's message with this bus and identifier."""
+        slot = self.rig.slots.get(key) or self.bench.slots.get(key)
+        return None if slot is None else slot.message.name
 
     def pack_frame(self, frame: Frame) -> list[CanFrame]:
         """Return the CAN frames of the rig's measurements."""
@@ -93,29 +136,33 @@ class CanCodec:
         status = {"Clock": clock, "Safe": int(frame.rig_safe), "Table": table}
         return self.rig.encode(frame.values, frame.sequence, **status)
 
-    def take_frame(self, number: int, data: bytes) -> Frame | None:
+    def take_frame(
+        self, number: int, data: bytes, extended: bool = False, fd: bool = False, bus: int = 0
+    ) -> Frame | None:
         """Take a CAN frame; return the measurements that it completes. Raises PacketError."""
-        parts = self.from_rig.take(number, data)
+        parts = self.from_rig.take((bus, number, extended), data, fd)
         if parts is None:
             return None
-        status = parts[self.rig.status.frame_id]
+        status = parts[self.rig.status_key]
         self._check_table(status["Table"], self.rig)
         rig_ns = self.clock.follow(status["Clock"]) * 1000
         return Frame(status["Counter"], rig_ns, self.rig.values(parts), bool(status["Safe"]))
 
     def pack_demand(self, demand: Demand) -> list[CanFrame]:
         """Return the CAN frames of the bench's commands."""
-        answers = demand.answers % (1 << bits(self.bench.status, "Answers"))
+        answers = demand.answers % (1 << bits(self.bench.status.message, "Answers"))
         table = self.signature & self.bench.table_mask
         status = {"Answers": answers, "Order": int(demand.order), "Table": table}
         return self.bench.encode(demand.values, demand.sequence, **status)
 
-    def take_demand(self, number: int, data: bytes) -> Demand | None:
+    def take_demand(
+        self, number: int, data: bytes, extended: bool = False, fd: bool = False, bus: int = 0
+    ) -> Demand | None:
         """Take a CAN frame; return the commands that it completes. Raises PacketError."""
-        parts = self.from_bench.take(number, data)
+        parts = self.from_bench.take((bus, number, extended), data, fd)
         if parts is None:
             return None
-        status = parts[self.bench.status.frame_id]
+        status = parts[self.bench.status_key]
         self._check_table(status["Table"], self.bench)
         order = order_of(status["Order"])
         return Demand(status["Counter"], status["Answers"], order, self.bench.values(parts))
@@ -123,3 +170,21 @@ class CanCodec:
     def _check_table(self, table: int, direction: _Direction) -> None:
         if table != self.signature & direction.table_mask:
             raise PacketError("the other end has another channel table or DBC file")
+
+    def _check_listed(self, buses: Sequence[Bus]) -> None:
+        used = {(slot.bus, slot.message.name) for slot in self.slots}
+        for index, bus in enumerate(buses):
+            for name in bus.messages or ():
+                if (index, name) not in used:
+                    raise BenchError(
+                        f"links.can: message '{name}' of {bus.name} is not one of the rig's: no "
+                        "channel is in it"
+                    )
+            if all(slot.bus != index for slot in self.slots):
+                raise BenchError(f"links.can: no message of the rig is on {bus.name}")
+
+
+def _layouts(buses: Sequence[Bus]) -> str:
+    """Return the layout of all files, each once; which bus is which is not part of it."""
+    databases = {id(bus.database): bus.database for bus in buses}
+    return "\n".join(layout_text(database) for database in databases.values())

@@ -1,6 +1,7 @@
-"""A CAN bus on a TCP port of this machine, for machines without one: speaks as socketcand does.
+"""CAN buses on a TCP port of this machine, for machines without one: speaks as socketcand does.
 
-What one client sends, all others receive. python-can opens it as interface "socketcand". As a
+What one client sends, all others receive that have opened a bus of the same name. python-can opens
+it as interface "socketcand". CAN FD frames go the same way, as ``fdsend`` and ``fdframe``. As a
 program it takes the port (0: any free one), prints it, and ends with its standard input.
 """
 
@@ -16,6 +17,7 @@ import time
 from steering_lockstep.urgency import without_pauses
 
 LARGEST_BACKLOG = 1 << 20
+FRAMES = {"send": "frame", "fdsend": "fdframe"}
 
 
 class CanHub:
@@ -27,6 +29,7 @@ class CanHub:
         self.selector = selectors.DefaultSelector()
         self.selector.register(self.server, selectors.EVENT_READ)
         self.rest: dict[socket.socket, str] = {}
+        self.opened: dict[socket.socket, str] = {}
         self.on_bus: set[socket.socket] = set()
         self.closing = False
         self.thread = threading.Thread(target=self._serve, name="can_hub", daemon=True)
@@ -71,10 +74,12 @@ class CanHub:
         sent = []
         for text in whole:
             words = text.replace("<", " ").split()
-            if words[:1] == ["send"] and len(words) > 2:
-                octets = "".join(f"{int(word, 16):02X}" for word in words[3:])
-                sent.append(f"< frame {words[1]} {time.time():.6f} {octets} >")
+            if words and words[0] in FRAMES and len(words) > 2:
+                octets = "".join(word.zfill(2) for word in words[3:]).upper()
+                sent.append(f"< {FRAMES[words[0]]} {words[1]} {time.time():.6f} {octets} >")
             elif words:
+                if words[0] == "open":
+                    self.opened[client] = words[-1]
                 self._answer(client, words[0])
         if sent:
             self._pass_on(client, "".join(sent).encode())
@@ -86,7 +91,7 @@ class CanHub:
 
     def _pass_on(self, sender: socket.socket, data: bytes) -> None:
         for client in list(self.on_bus):
-            if client is not sender:
+            if client is not sender and self.opened.get(client) == self.opened.get(sender):
                 self._write(client, data)
 
     def _write(self, client: socket.socket, data: bytes) -> None:
@@ -100,6 +105,7 @@ class CanHub:
             self.selector.unregister(client)
             del self.rest[client]
             self.on_bus.discard(client)
+            self.opened.pop(client, None)
             client.close()
 
 

@@ -19,6 +19,9 @@ class Link(Protocol):
     problem: str | None
     up: bool
 
+    def unheard(self) -> str | None:
+        """Return what has not come since the last whole packet, where the link can tell."""
+
     def receive_frames(self, timeout_s: float) -> list[Frame]:
         """Return the rig's measurements that have come; bench's end."""
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rig_bridge.safety.frame_watch import Frame
 
-__all__ = ["Demand", "Frame", "Order", "PacketError", "order_of"]
+__all__ = ["Demand", "Frame", "Order", "OwnFrameError", "PacketError", "order_of"]
 
 
 class Order(IntEnum):
@@ -29,6 +29,10 @@ class Demand(NamedTuple):
 
 class PacketError(ValueError):
     """Bytes that are no packet of this rig; the text says why."""
+
+
+class OwnFrameError(PacketError):
+    """A frame that only this end sends: its own echo, or somebody else's."""
 
 
 def order_of(number: int) -> Order:

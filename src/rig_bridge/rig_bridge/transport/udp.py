@@ -50,6 +50,10 @@ class UdpLink:
         """Return the commands that have come."""
         return self._receive(self.codec.unpack_demand, timeout_s)
 
+    def unheard(self) -> str | None:
+        """Return nothing: a packet comes whole or not at all."""
+        return None
+
     def send_frame(self, frame: Frame) -> None:
         """Send measurements."""
         self._send(self.codec.pack_frame(frame))
