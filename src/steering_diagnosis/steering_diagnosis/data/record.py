@@ -24,7 +24,8 @@ class Record:
     boost_table: of a measured boost curve, None for the formula. notes: what reading and aligning
     found or changed, a sentence each. excluded: (n,) bool, samples not to be judged (saturated,
     bridged gaps); None: all count. sha256: of the file or bag. vehicle_load: kind of the simulated
-    load on the rack (vehicle_model.loads), "" where that is not known.
+    load on the rack (vehicle_model.loads), "" where that is not known. units: name to the unit in
+    which a channel was read, where that is not SI.
     """
 
     valve_system: Literal["open_centre", "closed_centre", "servo_valve"]
@@ -37,6 +38,7 @@ class Record:
     path: Path | None = None
     sha256: str = ""
     vehicle_load: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.channels.values()))) if self.channels else 0
