@@ -31,10 +31,11 @@ STUCK_JUMP = 10.0
 STUCK_LONG = 0.2
 """Share of a record from which a stuck channel is left out whole."""
 
-ENCODERS = {"steering_wheel_angle": 0.25, "rack_position": 2e-3}
-"""Channels that cannot jump, and steps of one tick that no gear makes [rad, m]: 250 rad/s, 2 m/s."""
-JUMP = 20.0
-"""Step of a jump over all but half a per cent of the other steps; clean records reach 3."""
+ENCODERS = ("steering_wheel_angle", "rack_position")
+"""Channels that cannot jump."""
+JUMP, LEAP = 20.0, 0.2
+"""Step of a jump over all but half a per cent of the other steps, clean records reach 3; or over
+what the channel moves at all, of which a motion of 5 Hz makes 0.016 in a tick."""
 TOGETHER, EVEN = 25, 0.1
 """Ticks that a jump may take between samples of a slow logger; how alike jumps of one wrap are."""
 TURNS = {2.0 * np.pi: "a turn", np.pi: "half a turn"}
@@ -74,7 +75,11 @@ def dead(record: Record) -> list[Suspicion]:
     """Find channels that do not move at all in a record where the wheel or the rack does."""
     alive = [n for n in MEASURED if n in record and _moves(record[n])]
     moving = [n for n in ("steering_wheel_angle", "rack_position", "torsion_bar_torque") if n in alive]
-    fine = CONSTANT_IS_FINE if record.valve_system != "open_centre" else ()
+    fine = [
+        n
+        for n in CONSTANT_IS_FINE
+        if n in record and record.valve_system != "open_centre" and np.nanmax(record[n]) != 0.0
+    ]
     return [
         Suspicion(
             f"{name} is constant ({_shown(record, name, float(np.nanmedian(record[name])))}) while "
@@ -213,18 +218,19 @@ def _stuck(name: str, held: list[tuple[int, int]], samples: int, why: str) -> Su
 def jumping(record: Record) -> list[Suspicion]:
     """Find encoders that wrap, overflow or are zeroed on the way."""
     found = []
-    for name, impossible in ENCODERS.items():
+    for name in ENCODERS:
         if name in record:
-            jumps = _jumps(bridged(record[name]), impossible)
+            jumps = _jumps(bridged(record[name]))
             if len(jumps):
                 found.append(Suspicion(f"{name} {_jump_text(record, name, jumps)}", (name,)))
     return found
 
 
-def _jumps(values: np.ndarray, impossible: float) -> np.ndarray:
+def _jumps(values: np.ndarray) -> np.ndarray:
     """Return the sizes of the jumps that stay, signed; a spike comes back and is none."""
     step = np.diff(values)
     usual = float(np.quantile(np.abs(step), 0.995))
+    impossible = LEAP * float(np.ptp(values))
     least = min(JUMP * usual, impossible) if usual > 0.0 else impossible
     at = np.flatnonzero(np.abs(step) > least)
     at = np.setdiff1d(at, [last for _, last in _held(values)])

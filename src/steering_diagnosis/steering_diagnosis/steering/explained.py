@@ -37,6 +37,9 @@ WORSE = 0.01
 EQUAL = 1.2
 """Rests of two explanations over each other within which they explain as well."""
 
+FINEST = 1e-3
+"""Rest below which a relation explains no better."""
+
 LEAST_SHIFT_S, LONGEST_SHIFT_S = 0.08, 2.0
 """Longer than any sensor's delay of the catalogue (50 ms); further is not looked for."""
 
@@ -130,7 +133,8 @@ def _explained(
             left += 1
     if not fixed:
         return None
-    rest = float(np.mean([new.rest for _, new in fixed]))
+    # The geometric mean: the finest relation tells two factors apart.
+    rest = float(np.exp(np.mean([np.log(max(new.rest, FINEST)) for _, new in fixed])))
     own = [pair for pair in fixed if pair[0].relation.name in mistake.channels]
     return Explained(mistake, len(fixed), left, rest, *(own or fixed)[0])
 

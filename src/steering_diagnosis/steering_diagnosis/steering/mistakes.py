@@ -32,6 +32,12 @@ LEAST_FACTOR = 1.9
 USUAL = {"rad", "deg", "rad/s", "deg/s", "N m", "Pa", "bar", "MPa", "m", "mm", "m/s", "mm/s", "N"}
 """Units of which one at least takes part in a mistake; two rare ones explain any factor."""
 
+RARE = {"gon", "rev", "rev/s", "um", "hPa", "mbar", "N/mm2", "N mm", "mrad/s"}
+"""Units that are in no rig's record, or the same as another one."""
+
+TOGETHER = 1.04
+"""Factor within which no record tells two units apart, such as kgf and daN."""
+
 TENTHS = (10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
 """Factors of a scale that was forgotten or applied twice, as counts of a bus have them."""
 
@@ -48,6 +54,9 @@ ATMOSPHERE = 1.01325e5
 NONE_BELOW, BOTH_WAYS = 0.02, 0.1
 """Of its largest value: a magnitude goes below zero no further; and what it should follow goes both
 ways by more."""
+
+AROUND = (0.8, 1.6)
+"""Lags that are tried, over that of a relation."""
 
 AC_TIMES_S = (0.03, 0.1, 0.3, 1.0, 3.0)
 """Time constants of AC coupling that are tried."""
@@ -98,24 +107,28 @@ def mistakes(
     """
     measured = [name for name in MEASURED if name in s]
     groups = [g for g in GROUPS if set(g) <= set(s)] + [(name,) for name in measured]
+    off = {name for link in links if link.state == "off" for name in link.relation.members}
+    scaled = [group for group in groups if set(group) & off]
     for pair in EXCHANGED:
         if set(pair) <= set(s):
             yield _exchange(*pair)
-    for group in groups:
+    for group in scaled:
         if "pressure" not in group[0]:
             yield _scaled(group, -1.0, "have the wrong sign", "`sign: -1`")
-    for group in groups:
+    for group in scaled:
         yield from _units(record, group)
     for name, (low, high), told, advice in (
         (ANGLE, (1.0 / ROAD_WHEEL[1], 1.0 / ROAD_WHEEL[0]), "the road wheel", "map the wheel's"),
         (TORQUE, ROAD_WHEEL, "the far side of a reduction", "map the torsion bar's"),
     ):
-        for factor in np.geomspace(low, high, 6) if name in s else ():
+        for factor in np.geomspace(low, high, 6) if name in off else ():
             yield _scaled((name,), float(factor), f"be measured at {told}", advice)
     for k, relation in enumerate(x.relation for x in links):
         for group in groups if lags.get(k) else ():
-            if set(group) <= set(relation.members):
-                yield _late(group, lags[k] if relation.name in group else -lags[k])
+            if set(group) & set(relation.members):
+                sign = 1.0 if relation.name in group else -1.0
+                for lag in _lags(sign * lags[k]):
+                    yield _late(group, lag)
     for link in (x for x in links if x.open):
         yield from _magnitudes(record, s, link)
         yield from _ac_coupled(link)
@@ -166,26 +179,43 @@ def _units(record: Record, group: tuple[str, ...]) -> Iterator[Mistake]:
 def factors(si: str, said: str = "") -> list[tuple[float, str, str]]:
     """Return what channels may be too large by, what is told then, and what to do.
 
-    said: the unit that they were read in; then only another true one has to be known.
+    said: the unit that they were read in; then only another true one has to be known. Units that
+    no record tells apart are told together.
     """
-    units = FACTORS[si]
+    units = {name: one for name, one in FACTORS[si].items() if name not in RARE or name == said}
     said = said if said in units else si
-    found: dict[str, tuple[float, str, str]] = {}
-
-    def add(factor: float, told: str, advice: str) -> None:
-        if max(factor, 1.0 / factor) > LEAST_FACTOR:
-            found.setdefault(f"{factor:.2g}", (factor, told, advice))
-
-    for true, one in units.items():
-        add(units[said] / one, f"be in {true}, taken for {said}", f"`unit: {true}`")
+    found = [(units[said] / one, true, said, f"unit: {true}") for true, one in units.items()]
     for wrong in units:
         for true, one in units.items():
-            ratio = units[wrong] / one if {wrong, true} & USUAL else 1.0
-            add(ratio, f"be in {true} where {wrong} is said", f"`scale: {1.0 / ratio:.4g}`")
-    for tens in TENTHS:
-        for factor in (tens, 1.0 / tens):
-            add(factor, f"be off by a factor of {factor:g}", f"`scale: {1.0 / factor:g}`")
-    return list(found.values())
+            if {wrong, true} & USUAL:
+                ratio = units[wrong] / one
+                found.append((ratio, true, wrong, f"scale: {1.0 / ratio:.4g}"))
+    found += [(f, "", "", f"scale: {1.0 / f:.4g}") for t in TENTHS for f in (t, 1.0 / t)]
+    left = [x for x in found if max(x[0], 1.0 / x[0]) > LEAST_FACTOR]
+    told = []
+    while left:
+        alike = [x for x in left if 1.0 / TOGETHER < x[0] / left[0][0] < TOGETHER]
+        told.append(_told(alike))
+        left = [x for x in left if x not in alike]
+    return told
+
+
+def _told(alike: list[tuple[float, str, str, str]]) -> tuple[float, str, str]:
+    """Return one factor of those that are alike, and what is told of them."""
+    factor, true, wrong, advice = alike[0]
+    if not true:
+        return factor, f"be off by a factor of {factor:.4g}", f"`{advice}`"
+    others = [x for x in alike[1:] if x[2] == wrong and x[1] != true][:1]
+    names = " or ".join(dict.fromkeys([true, *(x[1] for x in others)]))
+    advices = " or ".join(dict.fromkeys(f"`{x[3]}`" for x in (alike[0], *others)))
+    return factor, f"be in {names}, taken for {wrong}", advices
+
+
+def _lags(lag: float) -> list[float]:
+    """Return lags [s] about one: a sum of which a part is late shows less than that part's."""
+    steps = abs(lag) / STEP_S
+    tried = range(round(AROUND[0] * steps), round(AROUND[1] * steps) + 1)
+    return [float(np.copysign(k * STEP_S, lag)) for k in tried if k]
 
 
 def _late(group: tuple[str, ...], lag: float) -> Mistake:

@@ -43,8 +43,8 @@ class Relation:
 
     needs: other channels. beside: further ones, in any unit and of any sign. within: factor by which the two may differ; None: only the sign is known.
     apart: offset [unit of name] that they may have; None: any. timed: whether a delay shows, as it
-    does not where a valve or a friction stands between the two. usable: whether a record shows the
-    relation at all.
+    does not where a valve or a friction stands between the two. level: what hardly moves is compared
+    by its median. usable: whether a record shows the relation at all.
     """
 
     name: str
@@ -55,6 +55,7 @@ class Relation:
     within: float | None = 2.5
     apart: float | None = None
     timed: bool = True
+    level: bool = False
     usable: Callable[[Signals, ParameterSet], bool] = lambda s, p: True
 
     @property
@@ -98,6 +99,8 @@ class Link:
     @property
     def evidence(self) -> str:
         """Return the comparison in words."""
+        if self.relation.level:
+            return f"its median is {self.factor:.3g} times the data sheet's"
         others = " and ".join(self.relation.needs)
         if self.relation.within is None:
             return f"it goes against {others} (correlation {self.correlation:.2f})"
@@ -145,6 +148,10 @@ def _times(factor: str, name: str) -> Expected:
 
 def _same(name: str) -> Expected:
     return lambda s, p: s[name]
+
+
+def _level(name: str) -> Expected:
+    return lambda s, p: np.array([p[name]])
 
 
 def _fitted(s: Signals, p: ParameterSet) -> tuple[np.ndarray, np.ndarray]:
@@ -240,6 +247,17 @@ RELATIONS = (
     ),
     *(
         Relation(
+            "supply_pressure",
+            (),
+            _level(f"{system}.supply_pressure"),
+            systems=(system,),
+            timed=False,
+            level=True,
+        )
+        for system in VALVES
+    ),
+    *(
+        Relation(
             f"{side}_pressure",
             (f"{side}_reference_pressure",),
             _same(f"{side}_reference_pressure"),
@@ -263,6 +281,11 @@ def compared(record: Record, gone: set[str]) -> dict[str, np.ndarray]:
 def link(relation: Relation, s: Signals, p: ParameterSet) -> Link:
     """Return how a relation stands."""
     values, expected = s[relation.name], relation.of(s, p)
+    if relation.level:
+        factor, within = float(np.median(values) / expected[0]), relation.within or np.inf
+        right = 1.0 / within < factor < within
+        rest = abs(np.log(factor)) if right else 1.0
+        return Link(relation, "right" if right else "off", True, 1.0, factor, 0.0, float(rest))
     usable = relation.usable(s, p)
     return judged(relation, values, expected, usable)
 
