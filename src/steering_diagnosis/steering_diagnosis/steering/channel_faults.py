@@ -54,14 +54,15 @@ ABOUT_ZERO = 0.25
 class Suspicion:
     """What is suspected. channels: those that it is about, left out of the replay.
 
-    samples: of the record, (n,) bool, that must not be judged. lost: channel that has no value in
-    them, "" where it has.
+    samples: of the record, (n,) bool, that must not be judged, because of the channel ``about``.
+    lost: whether it has no value there at all.
     """
 
     text: str
     channels: tuple[str, ...]
     samples: np.ndarray | None = field(default=None, compare=False)
-    lost: str = ""
+    about: str = ""
+    lost: bool = False
 
 
 def _shown(record: Record, name: str, value: float) -> str:
@@ -113,7 +114,7 @@ def lost(record: Record) -> list[Suspicion]:
                     f"{name} is {_shown(record, name, level)} in {where.sum()} samples, and nowhere "
                     "near it: no measurement; `missing` names such a number"
                 )
-                found.append(Suspicion(text, (), where, name))
+                found.append(Suspicion(text, (), where, name, lost=True))
     return found
 
 
@@ -129,7 +130,7 @@ def clipped(record: Record, gone: set[str]) -> list[Suspicion]:
                     f"{_shown(record, name, float(record[name][where][0]))}: {int(where.sum())} "
                     "samples stand still there; they are not judged; measure with a wider range"
                 )
-                found.append(Suspicion(text, (), where))
+                found.append(Suspicion(text, (), where, name))
     return found
 
 
@@ -212,7 +213,7 @@ def _stuck(name: str, held: list[tuple[int, int]], samples: int, why: str) -> Su
     whole = where.mean() > STUCK_LONG
     text = f"{name} is stuck for {where.sum() * PERIOD_S:.3g} s {why}"
     text += "" if whole else "; these samples are not judged"
-    return Suspicion(f"{text}; check its cable and bus", (name,) if whole else (), where)
+    return Suspicion(f"{text}; check its cable and bus", (name,) if whole else (), where, name)
 
 
 def jumping(record: Record) -> list[Suspicion]:

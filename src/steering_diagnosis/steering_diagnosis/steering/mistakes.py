@@ -32,7 +32,7 @@ LEAST_FACTOR = 1.9
 USUAL = {"rad", "deg", "rad/s", "deg/s", "N m", "Pa", "bar", "MPa", "m", "mm", "m/s", "mm/s", "N"}
 """Units of which one at least takes part in a mistake; two rare ones explain any factor."""
 
-RARE = {"gon", "rev", "rev/s", "um", "hPa", "mbar", "N/mm2", "N mm", "mrad/s"}
+RARE = {"gon", "rev", "rev/s", "um", "hPa", "mbar", "N/mm2", "N mm", "mrad", "mrad/s"}
 """Units that are in no rig's record, or the same as another one."""
 
 TOGETHER = 1.04

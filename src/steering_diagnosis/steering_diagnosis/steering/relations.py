@@ -197,7 +197,7 @@ def _twist(s: Signals, p: ParameterSet) -> np.ndarray:
     return np.asarray(p["mechanics.torsion_bar_stiffness"] * twist)
 
 
-RATIO, DELAY_S = 0.03, 0.06
+RATIO, DELAY_S = 0.01, 0.06
 """How much the pinion's ratio and both sensors' gains may be off together; and how late one of them
 may be beside the other."""
 
@@ -276,6 +276,16 @@ def compared(record: Record, gone: set[str]) -> dict[str, np.ndarray]:
         for name, values in record.channels.items()
         if name not in gone and np.isfinite(values).any()
     }
+
+
+def informative(signals: Signals, samples: np.ndarray) -> dict[str, np.ndarray]:
+    """Return compared signals without those near ``samples`` of the record, (n,) bool.
+
+    As they are where more than half of them would be left out.
+    """
+    reach = np.convolve(samples, np.ones(2 * STEP + 1), "same") > 0.5
+    kept = ~reach[::STEP]
+    return {n: x[kept] if kept.mean() > 0.5 else x for n, x in signals.items()}
 
 
 def link(relation: Relation, s: Signals, p: ParameterSet) -> Link:

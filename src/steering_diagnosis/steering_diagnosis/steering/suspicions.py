@@ -24,7 +24,7 @@ from steering_diagnosis.steering.channel_faults import (
     swinging,
 )
 from steering_diagnosis.steering.explained import explained
-from steering_diagnosis.steering.relations import compared
+from steering_diagnosis.steering.relations import compared, informative
 from steering_diagnosis.steering.smoothing import bridged
 
 SEGMENT = 1000
@@ -40,11 +40,13 @@ def suspicions(record: Record) -> list[Suspicion]:
     record = without(record, found)
     found += dead(record) + jumping(record) + swinging(record)
     found += copies(record, _channels(found))
+    ends = clipped(record, _channels(found))
     signals = compared(record, _channels(found))
-    found += [Suspicion(e.text, e.mistake.suspected) for e in explained(record, signals)]
+    clear = informative(signals, _samples(record, ends))
+    found += [Suspicion(e.text, e.mistake.suspected) for e in explained(record, clear)]
     gone = _channels(found)
     signals = {name: values for name, values in signals.items() if name not in gone}
-    found += clipped(record, gone) + stuck(record, signals)
+    found += [s for s in ends if s.about not in gone] + stuck(record, signals)
     return found + _singing(record, _channels(found))
 
 
@@ -52,15 +54,22 @@ def without(record: Record, found: list[Suspicion]) -> Record:
     """Return the record without suspected channels; samples that say nothing are not judged."""
     gone = _channels(found)
     channels = {name: v for name, v in record.channels.items() if name not in gone}
-    excluded = np.zeros(len(record), bool) if record.excluded is None else record.excluded.copy()
     for s in found:
-        if s.samples is None or s.channels:
-            continue
-        if s.lost in channels:
-            channels[s.lost] = np.where(s.samples, np.nan, channels[s.lost])
-        else:
-            excluded |= s.samples
+        if s.lost and s.samples is not None and s.about in channels:
+            channels[s.about] = np.where(s.samples, np.nan, channels[s.about])
+    excluded = _samples(record, [s for s in found if not s.lost and not s.channels])
+    if record.excluded is not None:
+        excluded |= record.excluded
     return replace(record, channels=channels, excluded=excluded if excluded.any() else None)
+
+
+def _samples(record: Record, found: list[Suspicion]) -> np.ndarray:
+    """Return the samples that say nothing, (n,) bool."""
+    where = np.zeros(len(record), bool)
+    for s in found:
+        if s.samples is not None:
+            where |= s.samples
+    return where
 
 
 def _channels(found: list[Suspicion]) -> set[str]:
