@@ -21,6 +21,7 @@ LEFT_OUT = {
     "effects_speed": {"open_centre"},
     "graph_speed": {"each"},
     "replay_speed": {"open_centre"},
+    "rig_mistakes": {"effects"},
     "rig_link": {"bare_can", "graph"},
 }
 """Rows that the smallest size has not, by how their names begin."""

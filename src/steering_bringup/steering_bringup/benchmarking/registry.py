@@ -79,6 +79,51 @@ MUTANTS = (
     Row("tried", "broken sources tried", digits=0),
 )
 
+MISTAKES = {
+    "sign": "wrong sign",
+    "magnitude": "magnitude without its sign (the sign is another channel)",
+    "degrees": "angle in degrees for radians, or the other way",
+    "degrees_and_sign": "angle in degrees for radians, and the wrong sign",
+    "ten": "off by 10: angle, position, torque, force",
+    "bar_mpa": "all pressures in bar for MPa, or the other way",
+    "one_bar_mpa": "one pressure in bar for MPa",
+    "thousand": "mm for m, kN for N, mN m for N m",
+    "bar_pa": "pressures in bar for Pa (1e5)",
+    "imperial": "psi for bar, inch for m",
+    "kilopond": "load cell in kgf or lbf for N",
+    "speeds": "speeds in deg/s, rpm, km/h, mm/s, or of the wrong sign",
+    "swapped": "swapped: chambers, chamber and supply, angle and its speed",
+    "copied": "one channel twice",
+    "late": "0.1 s or 0.3 s late",
+    "ac_coupled": "AC-coupled, 0.3 s or 1 s",
+    "ratio": "rack position by another pinion ratio (0.75, 1.3)",
+    "road_wheel": "angle of the road wheel",
+    "reduction": "torque behind a reduction",
+    "absolute": "absolute pressures for gauge",
+    "zero": "angle or position never zeroed",
+    "wrapped": "a counter that wraps",
+    "clipped": "clipped at 70 % of what it reaches",
+    "stuck": "frozen for 1.2 s",
+    "dead": "dead: constant",
+    "lost": "-999 for no measurement",
+}
+"""Kinds of tests/support/rig_mistakes.py."""
+
+NOT_IN_A_RIG = {"speeds"}
+
+RIG_MISTAKES = (
+    Row("clean", "clean records in which something is suspected", "%", at_most=0.0),
+    Row("effects", "records of large effects in which something is suspected", "%", at_most=0.0),
+    Row("named_all", "mistakes suspected by name; all channels", "%", at_least=75.0),
+    Row("named_rig", "mistakes suspected by name; a rig's seven channels", "%", at_least=75.0),
+    *(
+        Row(f"{kind}_{name}", f"{what}; {channels}", "%", digits=0)
+        for kind, what in MISTAKES.items()
+        for name, channels in (("all", "all channels"), ("rig", "a rig's seven"))
+        if name == "all" or kind not in NOT_IN_A_RIG
+    ),
+)
+
 BENCHMARKS: dict[str, Benchmark] = {
     entry.name: entry
     for entry in (
@@ -126,6 +171,13 @@ BENCHMARKS: dict[str, Benchmark] = {
             "broken sources of the overlay's arbiter against its tests",
             MUTANTS,
             {"every": 80},
+            ros=False,
+        ),
+        Benchmark(
+            "rig_mistakes",
+            "what rigs get wrong in a record, and how often it is suspected",
+            RIG_MISTAKES,
+            {"records": 1, "changed": 1, "each": 1, "seconds": 4.0, "no_effects": True},
             ros=False,
         ),
         Benchmark(

@@ -16,7 +16,7 @@ from steering_diagnosis.data.mapping import MappedChannel, Mapping, load_mapping
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.data.resample import Sampled, on_grid, sampled
 from steering_diagnosis.data.ticks import in_ticks
-from steering_diagnosis.data.units import factor, same
+from steering_diagnosis.data.units import factor, same, spelled
 from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 
 SHORTEST_S = 2.0
@@ -62,6 +62,7 @@ def record_from_file(path: Path, mapping_path: Path) -> Record:
         name=path.stem,
         path=path,
         sha256=sha256(path),
+        units={n: spelled(mapping.channels[n].unit or raw[n].unit) for n in channels},
     )
 
 

@@ -24,7 +24,7 @@ from steering_diagnosis.steering.clean_gains import settings_of
 from steering_diagnosis.steering.extension import extension
 from steering_diagnosis.steering.replay import SteeringReplay
 from steering_diagnosis.steering.smoothing import bridged, spectrum
-from steering_diagnosis.steering.suspicions import Suspicion, suspicions, without
+from steering_diagnosis.steering.suspicions import Suspicion, left_out, suspicions, without
 
 Progress = Callable[[float, str], None]
 
@@ -53,13 +53,22 @@ def diagnose_record(
     tell = progress or (lambda share, what: None)
     tell(0.0, "looking at the record")
     found = suspicions(record)
-    refusal = _refusal(record, found)
+    beside = [] if holdout is None else suspicions(holdout)
+    told = [s.text for s in found] + [f"in the hold-out record: {s.text}" for s in beside]
+    refusal = _refusal(record, found + beside)
     if refusal is not None:
-        return Diagnosis(_report_without(record, holdout, found, *refusal), record.time)
-    replay = SteeringReplay(without(record, found))
+        return Diagnosis(_report_without(record, holdout, told, *refusal), record.time)
+    gone = left_out(found + beside)
     other = None
-    if holdout is not None:
-        other = SteeringReplay(without(holdout, suspicions(holdout)), like=replay)
+    try:
+        replay = SteeringReplay(without(record, found, gone))
+        if holdout is not None:
+            other = SteeringReplay(without(holdout, beside, gone), like=replay)
+    except BenchError as error:
+        if not gone:
+            raise
+        sentence = f"Not judged: {_suspected(found + beside)}. Without it, {error}: put it right"
+        return Diagnosis(_report_without(record, holdout, told, "unexplained", sentence), record.time)
     findings = diagnose(
         replay,
         other,
@@ -75,9 +84,14 @@ def diagnose_record(
         software(),
         None if holdout is None else _source(holdout),
         {u.hypothesis: u.why for u in replay.undecidable},
-        [s.text for s in found],
-        [*record.notes, *_left_out(found), *lost],
+        told,
+        [*record.notes, *_left_out(gone), *lost],
     )
+    if gone:
+        report.sentence = (
+            f"The record seems to be wrong: {_suspected(found + beside)}. Judged without "
+            f"{', '.join(sorted(gone))}. {report.sentence}"
+        )
     made = Diagnosis(
         report=report,
         time=record.time,
@@ -151,7 +165,7 @@ def _refusal(record: Record, found: list[Suspicion]) -> tuple[Verdict, str] | No
 
 
 def _report_without(
-    record: Record, holdout: Record | None, found: list[Suspicion], verdict: Verdict, sentence: str
+    record: Record, holdout: Record | None, told: list[str], verdict: Verdict, sentence: str
 ) -> Report:
     return Report(
         schema=1,
@@ -160,14 +174,18 @@ def _report_without(
         software=software(),
         verdict=verdict,
         sentence=f"{sentence.rstrip('.')}.",
-        suspicions=[s.text for s in found],
+        suspicions=told,
         notes=list(record.notes),
     )
 
 
-def _left_out(found: list[Suspicion]) -> list[str]:
-    gone = sorted({channel for s in found for channel in s.channels})
-    return [f"left out, because suspected: {', '.join(gone)}"] if gone else []
+def _left_out(gone: set[str]) -> list[str]:
+    return [f"left out, because suspected: {', '.join(sorted(gone))}"] if gone else []
+
+
+def _suspected(found: list[Suspicion]) -> str:
+    """Return what is suspected of channels that are left out."""
+    return "; ".join(dict.fromkeys(s.text for s in found if s.channels))
 
 
 def _extension(replay: SteeringReplay, findings: Findings) -> dict[str, object]:

@@ -165,7 +165,8 @@ def _fitted(s: Signals, p: ParameterSet) -> tuple[np.ndarray, np.ndarray]:
         [rack, np.gradient(rack, STEP_S), torque / max(float(np.std(torque)), 1e-12)]
     )
     columns = np.column_stack([parts, np.ones(len(rack))])
-    found = np.linalg.lstsq(columns, s["steering_wheel_angle"], rcond=None)[0]
+    normal, right = columns.T @ columns, columns.T @ s["steering_wheel_angle"]
+    found = np.linalg.lstsq(normal, right, rcond=None)[0]
     return parts, found[:3]
 
 
@@ -325,7 +326,8 @@ def _trimmed(
     first = (values - values.mean()) / values.std()
     second = np.sign(alike) * (expected - expected.mean()) / expected.std()
     apart = np.abs(first - second)
-    kept = apart <= np.quantile(apart, 1.0 - TRIMMED)
+    last = int((1.0 - TRIMMED) * (len(apart) - 1))
+    kept = apart <= np.partition(apart, last)[last]
     return values[kept], expected[kept]
 
 

@@ -7,6 +7,7 @@ channel is left out rather than put right, and samples that say nothing are not 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -39,20 +40,23 @@ def suspicions(record: Record) -> list[Suspicion]:
     found = lost(record)
     record = without(record, found)
     found += dead(record) + jumping(record) + swinging(record)
-    found += copies(record, _channels(found))
-    ends = clipped(record, _channels(found))
-    signals = compared(record, _channels(found))
+    found += copies(record, left_out(found))
+    ends = clipped(record, left_out(found))
+    signals = compared(record, left_out(found))
     clear = informative(signals, _samples(record, ends))
     found += [Suspicion(e.text, e.mistake.suspected) for e in explained(record, clear)]
-    gone = _channels(found)
+    gone = left_out(found)
     signals = {name: values for name, values in signals.items() if name not in gone}
     found += [s for s in ends if s.about not in gone] + stuck(record, signals)
-    return found + _singing(record, _channels(found))
+    return found + _singing(record, left_out(found))
 
 
-def without(record: Record, found: list[Suspicion]) -> Record:
-    """Return the record without suspected channels; samples that say nothing are not judged."""
-    gone = _channels(found)
+def without(record: Record, found: list[Suspicion], further: Iterable[str] = ()) -> Record:
+    """Return the record without suspected channels; samples that say nothing are not judged.
+
+    further: channels that are left out as well.
+    """
+    gone = left_out(found) | set(further)
     channels = {name: v for name, v in record.channels.items() if name not in gone}
     for s in found:
         if s.lost and s.samples is not None and s.about in channels:
@@ -72,7 +76,8 @@ def _samples(record: Record, found: list[Suspicion]) -> np.ndarray:
     return where
 
 
-def _channels(found: list[Suspicion]) -> set[str]:
+def left_out(found: list[Suspicion]) -> set[str]:
+    """Return the channels that are suspected and therefore left out."""
     return {channel for s in found for channel in s.channels}
 
 
