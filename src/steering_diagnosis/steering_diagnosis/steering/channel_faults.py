@@ -140,20 +140,17 @@ def clipping(values: np.ndarray) -> np.ndarray:
     A parabola that enters with the slope there would have gone beyond it. One that turns within
     the resolution of the channel is none: few digits hold their extremes as well.
     """
-    steps = np.abs(np.diff(values))
-    moving = steps[np.isfinite(steps) & (steps > 0.0)]
     found = np.zeros(len(values), dtype=bool)
-    if not len(moving):
-        return found
-    typical = 0.3 * float(np.median(moving))
     levels = np.unique(values[np.isfinite(values)])
+    if len(levels) < 2:
+        return found
     for level, next_one in ((levels[-1], levels[-2]), (levels[0], levels[1])):
         for start, end in _runs(values == level):
             run = end - start
             before = values[max(start - max(run // 2, 1), 0) : start]
-            if run < CLIPPED_RUN or not len(before) or not steps[start - 1] > typical:
+            if run < CLIPPED_RUN or not len(before):
                 continue
-            slope = abs(level - before[0]) / len(before)
+            slope = float(np.nanmax(np.abs(level - before))) / len(before)
             if slope * run / 4.0 > BEYOND * abs(level - next_one):
                 found[start:end] = True
     return found

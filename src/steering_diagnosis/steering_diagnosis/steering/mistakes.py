@@ -38,6 +38,14 @@ RARE = {"gon", "rev", "rev/s", "um", "hPa", "mbar", "N/mm2", "N mm", "mrad", "mr
 TOGETHER = 1.04
 """Factor within which no record tells two units apart, such as kgf and daN."""
 
+WORDS = {
+    180.0 / np.pi: " (degrees for radians)",
+    np.pi / 180.0: " (radians for degrees)",
+    1e3: " (thousandths)",
+    1e-3: " (kilo-units)",
+}
+"""The commonest factors in words."""
+
 TENTHS = (10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
 """Factors of a scale that was forgotten or applied twice, as counts of a bus have them."""
 
@@ -208,7 +216,8 @@ def _told(alike: list[tuple[float, str, str, str]]) -> tuple[float, str, str]:
     others = [x for x in alike[1:] if x[2] == wrong and x[1] != true][:1]
     names = " or ".join(dict.fromkeys([true, *(x[1] for x in others)]))
     advices = " or ".join(dict.fromkeys(f"`{x[3]}`" for x in (alike[0], *others)))
-    return factor, f"be in {names}, taken for {wrong}", advices
+    word = next((w for f, w in WORDS.items() if 1.0 / TOGETHER < f / factor < TOGETHER), "")
+    return factor, f"be in {names}, taken for {wrong}{word}", advices
 
 
 def _lags(lag: float) -> list[float]:

@@ -26,6 +26,9 @@ STEP_S = STEP * PERIOD_S
 TRIMMED = 0.05
 """Share of the samples that fit worst and do not count: a dropout is no unit."""
 
+STILL = 1e-18
+"""Energy of a signal's motion over its own from which it moves: its rounding is 1e-16, squared."""
+
 LOADED = 3.0
 """Force of the rack over its friction, standard deviations, from which forces can be compared."""
 
@@ -332,7 +335,10 @@ def _trimmed(
 
 
 def correlation(first: np.ndarray, second: np.ndarray) -> float:
-    """Return the correlation of two signals, 0 where one does not move."""
+    """Return the correlation of two signals, 0 where one does not move beyond its rounding."""
     a, b = first - first.mean(), second - second.mean()
-    size = float(np.sqrt((a @ a) * (b @ b)))
-    return float(a @ b) / size if size > 0.0 else 0.0
+    sizes = float(a @ a), float(b @ b)
+    rounding = STILL * float(first @ first), STILL * float(second @ second)
+    if sizes[0] <= rounding[0] or sizes[1] <= rounding[1]:
+        return 0.0
+    return float(a @ b) / float(np.sqrt(sizes[0] * sizes[1]))
