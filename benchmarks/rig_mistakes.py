@@ -85,7 +85,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the size."""
     parser.add_argument("--records", type=int, default=30, help="clean ones")
     parser.add_argument("--changed", type=int, default=12, help="of these get mistakes")
-    parser.add_argument("--each", type=int, default=None, help="mistakes of a kind, all unless given")
+    parser.add_argument(
+        "--each", type=int, default=None, help="mistakes of a kind, all unless given"
+    )
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--no-effects", action="store_true")
     parser.add_argument("--table", action="store_true", help="print the table of the docs")

@@ -62,7 +62,8 @@ def _extension(diagnosis: Diagnosis, file: Path) -> str:
 def tell(diagnosis: Diagnosis, files: list[Path]) -> list[str]:
     """Return the lines for the terminal."""
     report = diagnosis.report
-    lines = [f"verdict: {words(report.verdict)}", *textwrap.wrap(report.sentence, 100)]
+    but = ", but something in the record is suspected" if report.suspicions else ""
+    lines = [f"verdict: {words(report.verdict)}{but}", *textwrap.wrap(report.sentence, 100)]
     for cause in report.causes:
         lines += [f"  {text}" for text in _cause(cause)]
     best = best_gain(report)

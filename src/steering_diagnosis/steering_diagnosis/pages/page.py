@@ -12,7 +12,8 @@ from steering_diagnosis.pages.shown import percent, words
 from steering_diagnosis.report import Diagnosis, Report
 
 GOOD = {"clean": True, "named": True}
-"""Verdicts that colour the head of the page green; the others leave it neutral."""
+"""Verdicts that colour the head of the page green; the others leave it neutral, and
+so does a record in which something is suspected."""
 
 
 def write_page(diagnosis: Diagnosis, path: str | Path) -> Path:
@@ -27,7 +28,7 @@ def diagnosis_page(diagnosis: Diagnosis) -> Page:
         title=f"Diagnosis of {Path(report.bag.path).name}",
         subtitle=_subtitle(diagnosis),
         lead=report.sentence,
-        good=GOOD.get(report.verdict),
+        good=None if report.suspicions else GOOD.get(report.verdict),
         footer=f"Software {report.software}. This page needs no network.",
     )
     shown = _main_signal(diagnosis)

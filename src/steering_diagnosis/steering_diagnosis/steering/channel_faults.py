@@ -75,7 +75,9 @@ def _shown(record: Record, name: str, value: float) -> str:
 def dead(record: Record) -> list[Suspicion]:
     """Find channels that do not move at all in a record where the wheel or the rack does."""
     alive = [n for n in MEASURED if n in record and _moves(record[n])]
-    moving = [n for n in ("steering_wheel_angle", "rack_position", "torsion_bar_torque") if n in alive]
+    moving = [
+        n for n in ("steering_wheel_angle", "rack_position", "torsion_bar_torque") if n in alive
+    ]
     fine = [
         n
         for n in CONSTANT_IS_FINE
@@ -138,13 +140,18 @@ def clipping(values: np.ndarray) -> np.ndarray:
     """Return the samples that stand still at the channel's extreme after moving into it, (n,).
 
     A parabola that enters with the slope there would have gone beyond it. One that turns within
-    the resolution of the channel is none: few digits hold their extremes as well.
+    the resolution of the channel is none: few digits hold their extremes as well. Nor is it where
+    the channel rests, as a supply of few digits does at the pressure that it is regulated to.
     """
     found = np.zeros(len(values), dtype=bool)
-    levels = np.unique(values[np.isfinite(values)])
+    known = values[np.isfinite(values)]
+    levels = np.unique(known)
     if len(levels) < 2:
         return found
+    rest = np.median(known)
     for level, next_one in ((levels[-1], levels[-2]), (levels[0], levels[1])):
+        if level == rest:
+            continue
         for start, end in _runs(values == level):
             run = end - start
             before = values[max(start - max(run // 2, 1), 0) : start]
@@ -176,7 +183,8 @@ def stuck(record: Record, signals: Signals) -> list[Suspicion]:
             runs = [
                 (start, end)
                 for start, end in held[name]
-                if np.ptp(expected[start // STEP : end // STEP + 1]) > least
+                if len(while_held := expected[start // STEP : end // STEP + 1])
+                and np.ptp(while_held) > least
             ]
             if runs:
                 why = f"while {' and '.join(relation.needs)} moves"

@@ -68,7 +68,9 @@ def diagnose_record(
         if not gone:
             raise
         sentence = f"Not judged: {_suspected(found + beside)}. Without it, {error}: put it right"
-        return Diagnosis(_report_without(record, holdout, told, "unexplained", sentence), record.time)
+        return Diagnosis(
+            _report_without(record, holdout, told, "unexplained", sentence), record.time
+        )
     findings = diagnose(
         replay,
         other,

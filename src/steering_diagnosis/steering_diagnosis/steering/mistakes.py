@@ -150,9 +150,7 @@ def mistakes(
 
 
 def _scaled(channels: tuple[str, ...], factor: float, told: str, advice: str) -> Mistake:
-    return Mistake(
-        channels, told, advice, lambda s: {**s, **{c: s[c] / factor for c in channels}}
-    )
+    return Mistake(channels, told, advice, lambda s: {**s, **{c: s[c] / factor for c in channels}})
 
 
 def _shifted(
