@@ -113,7 +113,7 @@ def lost(record: Record) -> list[Suspicion]:
             usual = max(np.ptp(rest), np.abs(rest).max())
             if gap > usual and where.sum() > 1 and where.mean() < FEW:
                 text = (
-                    f"{name} is {_shown(record, name, level)} in {where.sum()} samples, and nowhere "
+                    f"{name} is {_shown(record, name, level)} in {where.sum()} samples, nowhere "
                     "near it: no measurement; `missing` names such a number"
                 )
                 found.append(Suspicion(text, (), where, name, lost=True))

@@ -44,10 +44,11 @@ Expected = Callable[[Signals, ParameterSet], np.ndarray]
 class Relation:
     """``name`` should equal ``of`` but for friction, noise and an offset.
 
-    needs: other channels. beside: further ones, in any unit and of any sign. within: factor by which the two may differ; None: only the sign is known.
-    apart: offset [unit of name] that they may have; None: any. timed: whether a delay shows, as it
-    does not where a valve or a friction stands between the two. level: what hardly moves is compared
-    by its median. usable: whether a record shows the relation at all.
+    needs: other channels. beside: further ones, in any unit and of any sign. within: factor by
+    which the two may differ; None: only the sign is known. apart: offset [unit of name] that they
+    may have; None: any. timed: whether a delay shows, as it does not where a valve or a friction
+    stands between the two. level: what hardly moves is compared by its median. usable: whether a
+    record shows the relation at all.
     """
 
     name: str
@@ -75,8 +76,8 @@ class Relation:
 class Link:
     """How a relation stands in a record. factor: what ``name`` is too large by, a sign included.
 
-    usable: whether the record shows it. offset: [unit of name] that remains. rest: what is not explained, standard deviation over that
-    of ``name``.
+    usable: whether the record shows it. offset: [unit of name] that remains. rest: what is not
+    explained, standard deviation over that of ``name``.
     """
 
     relation: Relation
