@@ -180,6 +180,7 @@ def test_samples_that_say_nothing_are_not_judged(mistake):
     kept = without(wrong, suspicions(wrong))
     (channel,) = mistake.channels
     assert channel in kept
+    assert kept.excluded is not None
     assert 0.0 < np.mean(kept.excluded) < 0.5
 
 

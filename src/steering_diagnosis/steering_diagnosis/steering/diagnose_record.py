@@ -20,11 +20,12 @@ from steering_diagnosis.engine.reporting import to_report
 from steering_diagnosis.engine.settings import Settings
 from steering_diagnosis.report import BalanceError, Diagnosis, Overlay, Report, Source, Verdict
 from steering_diagnosis.steering.balance_errors import Balances
+from steering_diagnosis.steering.channel_faults import Suspicion
 from steering_diagnosis.steering.clean_gains import settings_of
 from steering_diagnosis.steering.extension import extension
 from steering_diagnosis.steering.replay import SteeringReplay
 from steering_diagnosis.steering.smoothing import bridged, spectrum
-from steering_diagnosis.steering.suspicions import Suspicion, left_out, suspicions, without
+from steering_diagnosis.steering.suspicions import left_out, suspicions, without
 
 Progress = Callable[[float, str], None]
 
