@@ -29,7 +29,10 @@ class EmulatorSettings(Strict):
     sensors: dict[str, Sensor] = Field({}, description="ideal where not given")
     seed: int = Field(1, ge=0)
     clock_drift: Number = Field(
-        0.0, gt=-0.5, lt=100.0, description="relative; positive is slow: 3 is a quarter of the speed"
+        0.0,
+        gt=-0.5,
+        lt=100.0,
+        description="relative; positive is slow: 3 is a quarter of real time",
     )
     clock_start_ns: int = Field(0, ge=0)
     command_delay: int = Field(0, ge=0, le=20, description="periods")

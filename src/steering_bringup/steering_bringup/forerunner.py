@@ -1,0 +1,18 @@
+"""The process that nodes are forked from, started before anything else: its imports take longest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from steering_lockstep.kinds import FACTORIES, location
+from steering_lockstep.zygote import Zygote
+
+
+def forerunner() -> Zygote:
+    """Start a zygote that imports, in the background, what most graphs need."""
+    return Zygote(["steering_bringup.cores", *programs(FACTORIES)])
+
+
+def programs(kinds: Iterable[str]) -> list[str]:
+    """Return the modules of kinds of nodes."""
+    return sorted({location(kind).split(":")[0] for kind in kinds})
