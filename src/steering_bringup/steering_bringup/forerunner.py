@@ -1,4 +1,4 @@
-"""The process that nodes are forked from, started before anything else: its imports take longest."""
+"""The process that nodes are forked from, started before anything else: its imports take long."""
 
 from __future__ import annotations
 
