@@ -41,6 +41,7 @@ OF_DIAGNOSIS = (
     "without",
     "calibrate",
     "clean_gains",
+    "diff",
 )
 """Options that are handed on to the sealed benchmark of diagnosis, with --full and --missing."""
 
@@ -83,6 +84,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--without", metavar="GROUP", nargs="+", help="channels that no case has")
     add("--calibrate", metavar="MODULE:FUNCTION", help="a statistic over N clean records instead")
     add("--clean-gains", metavar="FILE", help="what N clean records gain by wrong causes instead")
+    add("--diff", metavar="DIR", help="only tell what differs from the results kept in DIR")
     add("--page", metavar="FILE", help="the HTML page (default: in --records)")
 
 
