@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from steering_lockstep.kinds import FACTORIES, location
+from steering_lockstep.kinds import location
 from steering_lockstep.zygote import Zygote
+
+USUAL = ("plant", "valve_controller", "driver", "vehicle", "recorder")
+"""Kinds of nodes of most graphs; what others need is imported once they are known."""
 
 
 def forerunner() -> Zygote:
     """Start a zygote that imports, in the background, what most graphs need."""
-    return Zygote(["steering_bringup.cores", *programs(FACTORIES)])
+    return Zygote(["steering_bringup.cores", *programs(USUAL)])
 
 
 def programs(kinds: Iterable[str]) -> list[str]:
