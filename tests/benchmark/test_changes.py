@@ -33,15 +33,12 @@ def test_names_sizes_and_what_became_wrong_are_told(records):
     nothing = report(verdict="clean")
     before = records("a", same=report(RIGHT), size=report(RIGHT), lost=report(RIGHT), won=nothing)
     after = records("b", same=report(RIGHT), size=report(heavier), lost=nothing, won=report(RIGHT))
+    counts = "verdicts or names: 2, sizes: 1, became right: 1, became wrong: 1"
     assert list(changes(before, after, "engine")) == [
         ("lost", "named: rack_mass -> clean (now wrong)"),
         ("size", "rack_mass.added: 10 -> 11"),
         ("won", "clean -> named: rack_mass (now right)"),
-        (
-            "4 cases",
-            "verdicts or names: 2, sizes: 1, became right: 1, became wrong: 1; "
-            "0 in one of the two only",
-        ),
+        ("4 cases", f"{counts}; 0 in one of the two only"),
     ]
 
 
