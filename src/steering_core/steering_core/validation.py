@@ -23,6 +23,7 @@ TEXTS = {
     "float_parsing": "must be a number, got {input!r}",
     "bool_type": "must be true or false, got {input!r}",
     "bool_parsing": "must be true or false, got {input!r}",
+    "string_too_short": "must not be empty",
     "string_pattern_mismatch": "must be lower-case letters, digits and _, got {input!r}",
     "dict_type": "must be a mapping, got {input!r}",
     "model_attributes_type": "must be a mapping, got {input!r}",

@@ -97,9 +97,17 @@ def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
     if clock is not None and time is None:
         time_unit = units[clock] if is_unit(units[clock], "s") else ""
         time = _counted(read[clock], rows, layout.names[clock], time_unit, mapping)
-    result = {}
+    result: dict[str, Raw] = {}
+    owners: dict[int, str] = {}
     for name, channel in mapping.channels.items():
         column = table.columns[channel.source, channel.column]
+        if column == clock:
+            raise BenchError(f"line {layout.header}: {name}: '{channel.source}' is the time")
+        if owners.setdefault(column, name) != name:
+            raise BenchError(
+                f"line {layout.header}: {name}: '{channel.source}' is {owners[column]} already: "
+                "each channel has its own"
+            )
         if column not in read:
             raise BenchError(f"line {layout.header}: '{channel.source}' holds dates, no numbers")
         lost = _lost(cells[column], read[column], rows)
