@@ -42,6 +42,15 @@ def reader_is_gone() -> bool:
     return gone
 
 
+def is_refused(stream: TextIO, error: OSError) -> bool:
+    """Return whether it is this stream that cannot be written (a full disk), by trying again."""
+    try:
+        stream.flush()
+    except OSError as again:
+        return again.errno == error.errno
+    return False
+
+
 def be_quiet(stream: TextIO) -> None:
     """Drop what is still buffered: it would raise once more when the interpreter ends."""
     with suppress(OSError, ValueError):
