@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from pathlib import Path
 
 import yaml
 
+from steering_bringup.outputs import write_json, write_text
 from steering_core.errors import BenchError
 from steering_diagnosis.pages import write_page
 from steering_diagnosis.pages.cards import best_gain
@@ -23,17 +23,10 @@ def write_all(diagnosis: Diagnosis, folder: Path) -> list[Path]:
     """Write report.html, report.json and, where there are causes, extension.yaml."""
     report = diagnosis.report
     files = [write_page(diagnosis, folder / "report.html"), folder / "report.json"]
-    extension = folder / "extension.yaml"
-    try:
-        text = json.dumps(report.model_dump(mode="json"), indent=2)
-        files[1].write_text(text + "\n", encoding="utf-8")
-        if diagnosis.extension:
-            extension.write_text(
-                _extension(diagnosis, extension), encoding="utf-8", errors="replace"
-            )
-            files.append(extension)
-    except OSError as error:
-        raise BenchError(f"'{error.filename}' cannot be written: {error.strerror}") from None
+    write_json(files[1], report.model_dump(mode="json"))
+    if diagnosis.extension:
+        files.append(folder / "extension.yaml")
+        write_text(files[2], _extension(diagnosis, files[2]))
     return files
 
 

@@ -43,11 +43,13 @@ def reader_is_gone() -> bool:
 
 
 def is_refused(stream: TextIO, error: OSError) -> bool:
-    """Return whether it is this stream that cannot be written (a full disk), by trying again."""
+    """Return whether it is this stream that cannot be written (a full disk), by one more line."""
     try:
-        stream.flush()
+        os.write(stream.fileno(), b"\n")
     except OSError as again:
         return again.errno == error.errno
+    except ValueError:
+        return False
     return False
 
 
