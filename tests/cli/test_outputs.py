@@ -53,7 +53,11 @@ def test_a_full_standard_output_is_named():
     code = "import sys; from steering_bringup.cli import main; sys.exit(main(['list']))"
     with FULL.open("w") as full:
         ended = subprocess.run(
-            [sys.executable, "-c", code], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+            [sys.executable, "-c", code],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
         )
     assert ended.returncode == 1
     assert ended.stderr == (

@@ -9,9 +9,11 @@ import yaml
 
 from steering_bringup.outputs import write_json, write_text
 from steering_core.errors import BenchError
+from steering_diagnosis.data.record import READ_AS
 from steering_diagnosis.pages import write_page
 from steering_diagnosis.pages.cards import best_gain
 from steering_diagnosis.pages.shown import number, percent, quantity, words
+from steering_diagnosis.pages.tables import at_their_end
 from steering_diagnosis.report import Cause, Diagnosis, Report
 
 EXTENSION_HEAD = """\
@@ -67,7 +69,9 @@ def tell(diagnosis: Diagnosis, files: list[Path]) -> list[str]:
         )
     lines += [f"suspected: {text}" for text in report.suspicions]
     lines += [f"unexplained: {_rest(report)}"] if report.unexplained else []
-    lines += [f"note: {text}" for text in report.notes]
+    if warned := at_their_end(report):
+        lines.append(f"note: refitted {warned}")
+    lines += [text if text.startswith(READ_AS) else f"note: {text}" for text in report.notes]
     return [*lines, f"page: {files[0]}", *(f"file: {file}" for file in files[1:])]
 
 

@@ -16,7 +16,7 @@ from steering_diagnosis.data.channels import CHANNELS, MEASURED
 from steering_diagnosis.data.foreign import READERS, Raw, read_foreign
 from steering_diagnosis.data.mapping import MappedChannel, Mapping, load_mapping
 from steering_diagnosis.data.plausible import measured, without
-from steering_diagnosis.data.record import PERIOD_S, Record
+from steering_diagnosis.data.record import PERIOD_S, READ_AS, Record
 from steering_diagnosis.data.resample import Sampled, on_grid, sampled
 from steering_diagnosis.data.ticks import in_ticks
 from steering_diagnosis.data.units import FACTORS, factor, same
@@ -51,7 +51,8 @@ def record_from_file(path: Path, mapping_path: Path) -> Record:
     """Return the record of a CSV, MATLAB or MDF4 file."""
     mapping, _ = load_mapping(mapping_path)
     raw = read_foreign(path, mapping)
-    notes = list(dict.fromkeys(note for channel in raw.values() for note in channel.about))
+    ways = dict.fromkeys(f"{READ_AS}{each.read_as}" for each in raw.values() if each.read_as)
+    notes = [*ways, *dict.fromkeys(note for channel in raw.values() for note in channel.about)]
     raw = _with_numbers(raw, path, notes)
     notes += _written_twice(raw)
     channels = {

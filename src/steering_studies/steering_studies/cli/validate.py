@@ -39,7 +39,12 @@ def execute(options: argparse.Namespace) -> int:
 
     parameters = load_parameters(options.parameter_set).with_values(parameters_of(options.set))
     curve = None if options.boost_curve is None else read_boost_curve(str(options.boost_curve))
-    made = validate(from_bag(read_bag(options.bag)), parameters, options.valve_system, curve)
+    made = validate(
+        from_bag(read_bag(options.bag, repair_damage=False)),
+        parameters,
+        options.valve_system,
+        curve,
+    )
     folder = options.out or free_folder(Path("results"), "validation")
     page = validation_page(made, options.bag.name).write(folder / "validation.html")
     for name, found in made.merits.items():

@@ -68,10 +68,14 @@ def _opened(path: Path) -> Any:
     try:
         return MDF(path)
     except Exception as error:
-        problem = _line(error)
+        # What the library says of its own buffers is no help.
+        problem = "" if "mmap" in str(error) or "buffer" in str(error) else f" ({_line(error)})"
     # What the library left half made is to be deleted now, while it is kept quiet.
     gc.collect(1)
-    raise BenchError(f"'{path}' cannot be read as MDF: {problem}")
+    raise BenchError(
+        f"'{path}' cannot be read as MDF: it is cut off or damaged, {path.stat().st_size} bytes are "
+        f"there: copy it again from the logger{problem}"
+    )
 
 
 def _cut_off(path: Path) -> tuple[str, ...]:
