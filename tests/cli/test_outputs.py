@@ -23,14 +23,17 @@ def test_a_file_in_the_place_of_the_folder_is_told_before_anything_is_read(
     for out in (file, file / "inside"):
         assert main([*command, "--out", str(out)]) == 1
         told = capsys.readouterr().err
-        assert f"'{file}'" in told and "is a file" in told and told.count("\n") == 1
+        assert f"'{file}'" in told
+        assert "is a file" in told
+        assert told.count("\n") == 1
     assert file.read_text() == "kept"
 
 
 def test_a_folder_in_the_place_of_a_file_is_told_before_the_work(tmp_path, capsys):
     assert main(["list", "--json", str(tmp_path)]) == 1
     streams = capsys.readouterr()
-    assert f"'{tmp_path}' is a folder" in streams.err and not streams.out
+    assert f"'{tmp_path}' is a folder" in streams.err
+    assert not streams.out
 
 
 def test_what_can_be_written_passes_and_is_not_made_yet(tmp_path):

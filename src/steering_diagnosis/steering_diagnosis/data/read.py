@@ -25,7 +25,7 @@ from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 SHORTEST_S = 2.0
 
 LONGEST_S = 6.0 * 3600.0
-"""Of what channels share; more needs gigabytes on ticks of 1 ms, and a wrong instant makes years."""
+"""Of what channels share: more needs gigabytes on ticks of 1 ms; a wrong instant makes years."""
 
 SHORTEST_STEP_S, LONGEST_STEP_S = 2e-6, 0.1
 """Between samples. A steering gear is recorded neither at 500 kHz nor at 10 Hz: a time in ms that

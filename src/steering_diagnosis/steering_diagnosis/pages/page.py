@@ -13,8 +13,8 @@ from steering_diagnosis.report import Diagnosis, Report
 
 SCORE = (
     "Score: by how much the squared error, in units of its noise, falls with the rival, alone or "
-    "beside what is named (twice the logarithm of the likelihoods' ratio). A high score is no proof: "
-    "a rival may imitate the cause."
+    "beside what is named (twice the logarithm of the likelihoods' ratio). A high score is no "
+    "proof: a rival may imitate the cause."
 )
 """What the last column of the rivals' table means."""
 

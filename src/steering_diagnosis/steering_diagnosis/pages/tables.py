@@ -100,8 +100,8 @@ def at_their_end(report: Report) -> str:
     if not names:
         return ""
     return (
-        f"at the end of their tolerance: {', '.join(names)}; the record may want more than the data "
-        "sheet allows, or tell little of them"
+        f"at the end of their tolerance: {', '.join(names)}; the record may want more than the "
+        "data sheet allows, or tell little of them"
     )
 
 

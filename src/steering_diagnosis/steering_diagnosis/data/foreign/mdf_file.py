@@ -72,9 +72,10 @@ def _opened(path: Path) -> Any:
         problem = "" if "mmap" in str(error) or "buffer" in str(error) else f" ({_line(error)})"
     # What the library left half made is to be deleted now, while it is kept quiet.
     gc.collect(1)
+    size = path.stat().st_size
     raise BenchError(
-        f"'{path}' cannot be read as MDF: it is cut off or damaged, {path.stat().st_size} bytes are "
-        f"there: copy it again from the logger{problem}"
+        f"'{path}' cannot be read as MDF: it is cut off or damaged ({size} bytes): copy it again "
+        f"from the logger{problem}"
     )
 
 

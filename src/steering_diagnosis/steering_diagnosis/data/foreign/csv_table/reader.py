@@ -139,12 +139,12 @@ def _way(
     decimals = sorted({signs[each.decimal] for each in read.values() if each.decimal})
     behind = any(split_unit(layout.names[column])[1] for column in units)
     below = f"in line {mapping.units_line}" if mapping.units_line else "below the header"
-    said = "none" if not any(units.values()) else "behind the names" if behind else below
+    said = f"units {'behind the names' if behind else below}" if any(units.values()) else "no units"
     lost = sum(int(np.count_nonzero(np.isnan(each.values))) for each in read.values())
     time = f"time '{mapping.time}'" if mapping.time else f"{mapping.rate} Hz"
     return (
         f"{table.encoding}, separator {shown(layout.separator)}, decimal sign "
-        f"{' and '.join(decimals) or 'none'}, header in line {layout.header}, units {said}, "
+        f"{' and '.join(decimals) or 'none'}, header in line {layout.header}, {said}, "
         f"{time}, {len(rows.lines)} rows in lines {rows.lines[0]} to {rows.lines[-1]}, "
         f"{lost} cells without a number"
     )
