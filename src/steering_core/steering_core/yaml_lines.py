@@ -143,7 +143,7 @@ def _collect(
 def _check_scalar(node: yaml.Node, document: Document) -> None:
     """Raise BenchError for what looks like a date or a number and is none: 2024-13-99."""
     try:
-        yaml.SafeLoader("").construct_object(node)
+        yaml.constructor.SafeConstructor().construct_object(node)
     except yaml.YAMLError:
         raise
     except (ValueError, KeyError, AttributeError):

@@ -48,10 +48,10 @@ def _check(record: Record, start: float | None, stop: float | None) -> None:
     for option, value in (("--from", start), ("--to", stop)):
         if value is not None and not (0.0 <= value < math.inf):
             raise BenchError(f"{option} must be in s from the record's beginning, got {value:g}")
-    if start is not None and start >= length:
-        raise BenchError(f"--from {start:g}: '{record.name}' lasts {length:.3f} s")
     if start is not None and stop is not None and stop <= start:
         raise BenchError(f"--to {stop:g} is not after --from {start:g}")
+    if start is not None and start >= length:
+        raise BenchError(f"--from {start:g}: '{record.name}' lasts {length:.3f} s")
 
 
 def _part(record: Record, first: int, last: int, notes: tuple[str, ...]) -> Record:
