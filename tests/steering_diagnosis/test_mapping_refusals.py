@@ -1,10 +1,11 @@
-"""Slips in a mapping: one line with its place and what to write; and the guide's list is complete."""
+"""Slips in a mapping: one line with its place and what to write; the guide lists all channels."""
 
 from pathlib import Path
 
 import pytest
 
 from steering_core.errors import BenchError
+from steering_core.naming import unknown
 from steering_diagnosis.data.channels import CHANNELS
 from steering_diagnosis.data.mapping import load_mapping
 from steering_diagnosis.data.units import FACTORS
@@ -59,3 +60,7 @@ def test_the_guide_lists_every_channel_with_its_units_and_sign():
         assert accepted == ", ".join(f"`{known}`" for known in FACTORS[unit])
         assert what
         assert positive
+
+
+def test_names_that_occur_twice_are_listed_once():
+    assert unknown("column", "x", ["F", "t", "F"]) == "unknown column 'x'; known: F, t"
