@@ -1,6 +1,7 @@
 """Chattering, lag, latency and tolerances: what the linear models predict happens in simulation."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -117,7 +118,7 @@ def test_without_shared_memory_the_specimens_are_computed_here(monkeypatch, caps
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(parallel, "ProcessPoolExecutor", refused)
-    monkeypatch.setattr(tolerance.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
     figures = [0.0] * len(tolerance.FIGURES)
     monkeypatch.setattr(tolerance, "figures_of", lambda parameters, specimen: figures)
     told: list[int] = []

@@ -110,9 +110,7 @@ def test_what_passes_is_within_the_limits_and_the_rest_is_told(name, values):
 )
 def test_a_step_that_no_record_has_names_the_unit_of_time(step, unit, tmp_path):
     shown = re.escape(f"{step:.3g}")
-    with pytest.raises(
-        BenchError, match=f"{re.escape(f'{step:.3g}')} s apart.*`time_unit: {unit}`"
-    ):
+    with pytest.raises(BenchError, match=rf"{shown} s apart.*`time_unit: {unit}`"):
         read(tmp_path, {"t": np.arange(N) * step})
 
 

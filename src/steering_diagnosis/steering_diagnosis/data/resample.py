@@ -60,10 +60,10 @@ def sampled(
     time, values, place = time[finite], values[finite], place[finite]
     stray = _stray(time)
     if stray.any():
-        first = int(np.flatnonzero(stray)[0])
+        far = int(np.flatnonzero(stray)[0])
         findings.append(
             f"{name}: {np.count_nonzero(stray)} instants lie far from all others (first: "
-            f"{time[first]:.6g} s in {'sample' if lines is None else 'line'} {place[first]}): left "
+            f"{time[far]:.6g} s in {'sample' if lines is None else 'line'} {place[far]}): left "
             "out"
         )
         time, values, place = time[~stray], values[~stray], place[~stray]
