@@ -68,7 +68,7 @@ def load_replay(spec: NodeSpec, run: RunSettings, bag: Path) -> Replay:
     """
     from steering_bringup.bags import read_bag
 
-    trace = read_bag(bag, repair_damage=False)
+    trace = read_bag(bag)
     payloads = {
         topic: _messages(trace, spec.name, topic, run.ticks, run.every(topic))
         for topic in spec.outputs
