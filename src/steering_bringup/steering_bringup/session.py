@@ -95,7 +95,9 @@ def compare_bags(first: Path, second: Path, page: Path) -> tuple[list[str], dict
     """Compare two bags, write the page, and return (lines for the terminal, numbers)."""
     from steering_bringup.bags import read_bag
 
-    return compare_traces(read_bag(first), read_bag(second), page)
+    return compare_traces(
+        read_bag(first, repair_damage=False), read_bag(second, repair_damage=False), page
+    )
 
 
 def compare_traces(first: Trace, second: Trace, page: Path) -> tuple[list[str], dict[str, object]]:

@@ -16,6 +16,7 @@ from steering_bringup.benchmarking import figures
 from steering_bringup.benchmarking.registry import BENCHMARKS
 from steering_bringup.benchmarking.rows import missed
 from steering_bringup.errors import BenchError
+from steering_bringup.outputs import write_json
 from steering_core.naming import unknown
 
 EXAMPLES = """examples:
@@ -108,8 +109,7 @@ def execute(options: argparse.Namespace) -> int:
         print(f"== {name}", flush=True)
         words = [*(["--quick"] if options.quick else []), *(more if name == "diagnosis" else [])]
         report["benchmarks"][name] = _measure(root / "benchmarks" / f"{name}.py", words)
-    options.json.parent.mkdir(parents=True, exist_ok=True)
-    options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_json(options.json, report)
     if options.readme:
         _write_figures(root, report["benchmarks"])
     print(f"numbers: {options.json}", flush=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
+from steering_bringup.outputs import write_json
 
 if TYPE_CHECKING:
     from steering_bringup.outcome import Outcome
@@ -118,8 +118,7 @@ def execute(options: argparse.Namespace) -> int:
     pages = _overlay_pages(plans, outcomes, folder)
     report |= {"pages": [str(page) for page in pages]} if pages else {}
     if options.json:
-        options.json.parent.mkdir(parents=True, exist_ok=True)
-        options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, report)
     return _status(outcomes[-1])
 
 
