@@ -25,6 +25,7 @@ from steering_core.naming import unknown
 from steering_diagnosis.benchmark import missing
 from steering_diagnosis.benchmark.by_door import HEAD, by_door, cells
 from steering_diagnosis.benchmark.cases import KINDS
+from steering_diagnosis.benchmark.changes import changes
 from steering_diagnosis.benchmark.doors.channel_sets import LACKABLE, NONE
 from steering_diagnosis.benchmark.doors.door import DRAWN, draw_door
 from steering_diagnosis.benchmark.doors.door import KINDS as KINDS_OF_DOOR
@@ -73,6 +74,8 @@ def parser() -> argparse.ArgumentParser:
         f" those drawn: {', '.join((NONE, *LACKABLE))}")  # fmt: skip
     add("--missing", action="store_true", help="N specimens, each with all channels and without"
         " some: what a missing channel costs")  # fmt: skip
+    add("--diff", type=Path, metavar="DIR", help="only tell what differs between the results kept"
+        " in DIR and in --records: verdicts, names, sizes")  # fmt: skip
     add("--json", type=Path, metavar="FILE", help="write the numbers here too")
     add("--quick", action="store_true", help="the smallest size, seconds long")
     add(
@@ -93,6 +96,8 @@ def main() -> int:
                 raise BenchError(unknown("kind of case", kind, KINDS))
         if asked.cases < 1:
             raise BenchError(f"--cases must be at least 1, got {asked.cases}")
+        if asked.diff is not None:
+            return _diff(asked)
         if asked.records is not None:
             return _run(asked, asked.records)
         with tempfile.TemporaryDirectory() as folder:
@@ -100,6 +105,17 @@ def main() -> int:
     except BenchError as error:
         print(f"diagnosis: {error}", file=sys.stderr)
         return 1
+
+
+def _diff(asked: argparse.Namespace) -> int:
+    """Tell what differs between two folders of results; nothing is diagnosed."""
+    if asked.records is None:
+        raise BenchError("--diff DIR compares with the results in --records DIR: name both")
+    found = list(changes(asked.diff, asked.records, asked.method))
+    for case, what in found:
+        print(f"{case}: {what}")
+    _write(asked.json, {"changes": [{"case": case, "what": what} for case, what in found]})
+    return 0
 
 
 def _run(asked: argparse.Namespace, folder: Path) -> int:

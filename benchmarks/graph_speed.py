@@ -21,9 +21,9 @@ from typing import Any, Literal
 
 from steering_bringup.benchmarking.program import Measured, main
 from steering_bringup.benchmarking.timing import in_turns, ratio
-from steering_bringup.cores import node_parameters
 from steering_bringup.errors import BenchError
 from steering_bringup.graphs import build_graph
+from steering_bringup.node_parameters import node_parameters
 from steering_bringup.scenario_files import load_node_set, load_scenario
 from steering_lockstep.graph import Graph, NodeSpec, check_graph
 from steering_lockstep.processes import Zygote, run_graph

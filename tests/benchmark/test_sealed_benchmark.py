@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from written_reports import ONE, cause, report
 
 from steering_bringup.bags import read_bag
 from steering_core.errors import BenchError
 from steering_diagnosis.benchmark.bags import record_of, write_case
 from steering_diagnosis.benchmark.baseline import baseline
-from steering_diagnosis.benchmark.cases import Sealed, draw_case, read_sealed
+from steering_diagnosis.benchmark.cases import draw_case, read_sealed
 from steering_diagnosis.benchmark.methods import load_function
 from steering_diagnosis.benchmark.runner import Job, plan, solve
 from steering_diagnosis.benchmark.scoring import confusion, judge, rates
@@ -19,27 +20,6 @@ from steering_diagnosis.benchmark.truth.listed import LISTED
 from steering_diagnosis.benchmark.truth.outside import OUTSIDE
 from steering_diagnosis.data.bag import record_from_bag
 from steering_plant.effects import EFFECTS
-
-ONE = Sealed(
-    "visible-000001",
-    "visible",
-    1,
-    "open_centre",
-    "sweep",
-    "bicycle",
-    sizes={"rack_mass": 10.0},
-    parameters={"rack_mass": {"added": 10.0}},
-    neutral={"rack_mass": 0.0},
-    mistaken={"rack_mass": ["rack_viscous_damping"]},
-)
-
-
-def cause(effect, *others, **parameters):
-    return {"effect": effect, "ambiguous_with": list(others), "parameters": parameters}
-
-
-def report(*causes, verdict="named", **more):
-    return {"verdict": verdict, "causes": list(causes), **more}
 
 
 def test_the_right_name_alone_with_its_parameter():

@@ -196,3 +196,19 @@ def test_runs_are_compared_as_before(pair):
         "steering_wheel_speed",
         "rack_position",
     ]
+
+
+@pytest.mark.parametrize("how", ["cut off", "without its metadata", "complete"])
+def test_a_comparison_changes_nothing_of_its_inputs(how, make_run, tmp_path):
+    first, second = (make_run(name, duration=3.0).path for name in ("first", "second"))
+    file = next(second.glob("*.mcap"))
+    if how == "cut off":
+        with file.open("r+b") as opened:
+            opened.truncate(file.stat().st_size * 2 // 3)
+    if how != "complete":
+        (second / "metadata.yaml").unlink()
+    before = {path: path.read_bytes() for path in second.rglob("*") if path.is_file()}
+    assert main(["compare", str(first), str(second), "--out", str(tmp_path / "page")]) == 0
+    assert {path: path.read_bytes() for path in second.rglob("*") if path.is_file()} == before
+    told = [note for note in trace_of(second, None).notes if "steer recover" in note]
+    assert bool(told) == (how != "complete")

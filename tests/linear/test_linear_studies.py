@@ -1,6 +1,7 @@
 """Chattering, lag, latency and tolerances: what the linear models predict happens in simulation."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from dask_here import dask_executor
 
 from steering_bringup.cli import main
 from steering_core.parameters import load_parameters
+from steering_studies import parallel
 from steering_studies.linear import chattering, lag, source_figures, tolerance
 from steering_studies.linear.latency import latency_map
 from steering_studies.linear.systems import compare, limit_cycle
@@ -109,3 +111,18 @@ def test_command_writes_page_and_numbers(tmp_path, capsys):
     assert len(json.loads(numbers.read_text())["chattering"]["onsets"]) == 6
     assert main(["linear", "chatering"]) == 1
     assert "did you mean 'chattering'" in capsys.readouterr().err
+
+
+def test_without_shared_memory_the_specimens_are_computed_here(monkeypatch, capsys):
+    def refused(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(parallel, "ProcessPoolExecutor", refused)
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    figures = [0.0] * len(tolerance.FIGURES)
+    monkeypatch.setattr(tolerance, "figures_of", lambda parameters, specimen: figures)
+    told: list[int] = []
+    found = tolerance.monte_carlo(PARAMETERS, 1, 7, on_progress=told.append)
+    assert told == [1]
+    assert found.figures.shape == (1, len(tolerance.FIGURES))
+    assert "/dev/shm" in capsys.readouterr().err

@@ -226,7 +226,7 @@ def test_late_subscribers_get_what_was_kept_before_from(domain, tmp_path):
     """The crash took metadata.yaml; the file itself tells that the topic is transient local."""
     told = {"offered_qos_profiles": yaml.safe_dump([profile()])}
     words = [(T0, text("old")), (T0 + STEP, text("new"))]
-    channels = [("/rig", TEXT, words, ("cdr", told)), ("/good", FLOAT, numbers(400))]
+    channels = [("/rig", TEXT, words, ("cdr", told)), ("/good", FLOAT, numbers(6000))]
     bag = write_mcap(tmp_path / "rig.mcap", channels)
     bench = Bench("play", str(bag), "--from", "1", "--domain", domain, folder=tmp_path)
     context = Context()

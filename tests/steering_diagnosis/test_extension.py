@@ -4,8 +4,9 @@ import pytest
 import yaml
 from bench_records import bench_record
 
-from steering_bringup.cores import build_cores, node_parameters
+from steering_bringup.cores import build_cores
 from steering_bringup.direct.runner import run
+from steering_bringup.node_parameters import node_parameters
 from steering_bringup.overrides import set_file
 from steering_bringup.scenario_files import check_scenario, find, load_node_set, open_scenario
 from steering_diagnosis.engine.model import Nuisance

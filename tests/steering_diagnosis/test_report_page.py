@@ -2,12 +2,15 @@
 
 import json
 from dataclasses import asdict, replace
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from steering_diagnosis.engine.reporting import sentence
 from steering_diagnosis.engine.structure import FreeForm
 from steering_diagnosis.pages import diagnosis_page
 from steering_diagnosis.pages.shown import probability
@@ -17,12 +20,14 @@ from steering_diagnosis.report import (
     Diagnosis,
     Estimate,
     Overlay,
+    Refitted,
     Report,
     Rival,
     Signal,
     Source,
     Unexplained,
 )
+from steering_diagnosis.writing import tell
 
 TIME = np.arange(0.0, 8.0, 1e-3)
 
@@ -122,3 +127,39 @@ def test_the_report_reads_back_and_refuses_what_is_unknown_or_infinite():
 @pytest.mark.parametrize(("p", "text"), [(0.0, "below 1e-300"), (3.2e-5, "3.2e-05")])
 def test_a_certain_cause_has_no_probability_of_zero(p, text):
     assert probability(p) == text
+
+
+def test_a_tolerance_that_is_used_up_is_told_on_page_and_terminal():
+    moved = {
+        "mechanics.rack_mass": Refitted(nominal=24.0, refitted=26.4, tolerance=2.4),
+        "oil.density": Refitted(nominal=850.0, refitted=851.0, tolerance=17.0),
+    }
+    made = diagnosis(nuisance=moved)
+    (warned,) = [line for line in tell(made, [Path("page")]) if "end of their tolerance" in line]
+    assert "mechanics.rack_mass" in warned
+    assert "oil.density" not in warned
+    text = diagnosis_page(made).render()
+    assert "at the end of their tolerance: mechanics.rack_mass;" in text
+    assert text.count("(at its end)") == 1
+
+
+def test_the_score_of_a_rival_is_explained_and_how_the_file_was_read_is_told():
+    made = diagnosis(notes=["read as: utf-8, separator comma", "something else"])
+    assert "Score: by how much" in diagnosis_page(made).render()
+    assert "read as: utf-8, separator comma" in diagnosis_page(made).render()
+    lines = tell(made, [Path("page")])
+    assert "read as: utf-8, separator comma" in lines
+    assert "note: something else" in lines
+
+
+@pytest.mark.parametrize(
+    ("noise", "told"),
+    [(1.0, "down to the noise."), (0.95, "down to the noise."), (0.25, "4 times the noise in x")],
+)
+def test_a_clean_record_is_explained_as_far_as_its_errors_say(noise, told):
+    output, errors = SimpleNamespace(name="x"), SimpleNamespace(refitted=1.0, noise=noise)
+    found: Any = SimpleNamespace(
+        causes=(), unexplained=(), verdict="clean", outputs=(output,), fitted={"x": errors}
+    )
+    assert sentence(found).startswith("Clean: ")
+    assert told in sentence(found)

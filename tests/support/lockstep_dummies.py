@@ -65,7 +65,7 @@ class Hardware:
     def open(self) -> None:
         """There is nothing to open."""
 
-    def receive(self) -> list[tuple[float, ...]]:
+    def receive(self, most: int) -> list[tuple[float, ...]]:
         rows = [tuple(self.core.out.tolist())] if self.answered else []
         self.answered = False
         return rows
@@ -99,8 +99,8 @@ class Piles(Hardware):
         super().__init__(core, ticks)
         self.answers: list[tuple[int, int]] = []
 
-    def receive(self) -> list[tuple[float, ...]]:
-        return 3 * super().receive()
+    def receive(self, most: int) -> list[tuple[float, ...]]:
+        return (3 * super().receive(most))[:most]
 
     def answer(
         self, tick: int, values: Sequence[float], age: int, late: str | None, ahead: int

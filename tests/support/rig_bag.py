@@ -117,7 +117,7 @@ def _run(
         if not gone:
             rig_end.send_frame(frame)
         now_ns += PERIOD_NS
-        for measured in session.receive():
+        for measured in session.receive(ticks - len(rows)):
             asked = nodes.commands(len(rows), measured)
             told = {topic: measured[part] for topic, part in MEASURED.items()}
             rows.append({**told, **asked})

@@ -35,7 +35,10 @@ def main(root: Path, arguments: list[str]) -> int:
         )
         return 1
     except OSError as error:
-        print(f"steer: {error.strerror or error}: {error.filename or ''}", file=sys.stderr)
+        print(
+            f"steer: {error.filename or 'standard output'}: {error.strerror or error}",
+            file=sys.stderr,
+        )
         return 1
     except KeyboardInterrupt:
         print("\nsteer: interrupted; the next call goes on from here", file=sys.stderr)

@@ -48,13 +48,6 @@ def spool_block(valve: LinearValve, s: np.ndarray) -> np.ndarray:
     return valve.A_c / valve.K_e * lag / (lag * mechanical + s / valve.w_v)
 
 
-def factorised_spool_block(valve: LinearValve, s: np.ndarray) -> np.ndarray:
-    """Return X_v over the pressure on the spool with the restrictor's factors apart (5.29)."""
-    k = corners(valve)
-    oil = (s / k.w_h) ** 2 + 2.0 * k.d_h * s / k.w_h + 1.0
-    return valve.A_c / valve.K_e * (1.0 + s / k.w_c) / ((1.0 + s / valve.w_v) * oil)
-
-
 def chamber_block(valve: LinearValve, s: np.ndarray) -> np.ndarray:
     """Return the chamber's pressure over the net flow [Pa s/m3], restrictor included."""
     k = corners(valve)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from time import monotonic_ns
 
@@ -13,6 +14,7 @@ from rig_bridge.safety.machine import State
 from rig_bridge.transport.link import Link
 from rig_bridge.transport.packets import Demand, Order
 
+MOST_TICKS = sys.maxsize
 ORDERS = {
     State.CHECKING: Order.ARM,
     State.ENTERING: Order.RUN,
@@ -43,10 +45,11 @@ class Bridge:
         self.sequence = 0
         self.arrived_ns = 0
 
-    def receive(self, timeout_s: float) -> Mapping[str, float]:
+    def receive(self, timeout_s: float, most: int = MOST_TICKS) -> Mapping[str, float]:
         """Wait for the rig's next measurements; return those that may be used, SI, by name.
 
         Comes back without new ones after ``timeout_s``, so that a silent rig is noticed.
+        most: how many periods are answered; latencies of others are not counted.
         """
         frames = self.link.receive_frames(timeout_s)
         self.arrived_ns = self.clock()
@@ -57,7 +60,7 @@ class Bridge:
         if self.guard.measurements.fresh:
             rig_ns = self.guard.measurements.clock.rig_ns
             waited = 0 if rig_ns is None else self.offset.see(rig_ns, self.arrived_ns)
-            self.open_ticks += [(self.arrived_ns, waited)] * len(self.periods)
+            self.open_ticks += [(self.arrived_ns, waited)] * min(len(self.periods), most)
         return measured
 
     @property

@@ -92,15 +92,18 @@ class Session:
         link.receive_frames(0.0)  # what had come before anybody listened
         self._note_state(None, 0)
 
-    def receive(self) -> list[tuple[float, ...]]:
-        """Wait for the rig's next period; return a row of measurements for each that began."""
+    def receive(self, most: int) -> list[tuple[float, ...]]:
+        """Wait for the rig's next period; return a row of measurements for each that began.
+
+        most: how many are left of the run; what comes after them counts nowhere.
+        """
         bridge = self.open_bridge
         waits = FIRST_WAIT_S if bridge.guard.measurements.fresh else NEXT_WAIT_S
-        bridge.receive(waits)
+        bridge.receive(waits, most)
         if not self.started:
             return []
         self.begun = self.begun or bool(bridge.periods)
-        return bridge.periods
+        return bridge.periods[:most]
 
     def answer(
         self, tick: int, values: Sequence[float], age: int, late: str | None, ahead: int = 0

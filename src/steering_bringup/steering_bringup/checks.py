@@ -5,16 +5,45 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from steering_bringup.errors import BenchError
 from steering_bringup.plans import Plan, valve_loop_delay
+from steering_bringup.scenario_files import restore
+from steering_bringup.schema import NodeSet, Scenario
 
 
-def check_physics(plan: Plan) -> None:
+class Physics(NamedTuple):
+    """What of a plan the physics sees, as plain data: another process may look at it.
+
+    scenario, node_set: as ``model_dump`` gives them; delay: of the valves' loop, ticks.
+    """
+
+    scenario: dict[str, Any]
+    node_set: dict[str, Any]
+    delay: int
+    direct: bool
+
+    def models(self) -> tuple[Scenario, NodeSet]:
+        """Return scenario and node set again."""
+        scenario = restore(Scenario, self.scenario, "scenario")
+        return scenario, restore(NodeSet, self.node_set, "node set")
+
+
+def physics_of(plan: Plan) -> Physics:
+    """Return what of a plan the physics sees."""
+    scenario, node_set = (
+        model.model_dump(mode="json", by_alias=True) for model in (plan.scenario, plan.node_set)
+    )
+    delay = valve_loop_delay(plan.graph) + (plan.rig.rig.delay if plan.rig else 0)
+    return Physics(scenario, node_set, delay, plan.manner.runner == "direct")
+
+
+def check_physics(physics: Physics) -> None:
     """Refuse parameters that do not fit together and a controller that would be unstable.
 
-    The cores are built and stepped once. So their kernels are compiled and kept on disk before a
-    node process needs them within a tick's time-out.
+    The cores are built, and for a run through the graph stepped once. So their kernels are compiled
+    before a node process needs them within a tick's time-out.
     """
     from steering_bringup.cores import boost_curve, build_cores, step_once
     from steering_bringup.valve_controllers import check_delayed_stability
@@ -22,22 +51,30 @@ def check_physics(plan: Plan) -> None:
 
     if not any(cache_folder().rglob("*.nbi")):
         print("compiling the kernels (once after each change of the code) ...", file=sys.stderr)
-    step_once(build_cores(plan.scenario, plan.node_set))
-    delay = valve_loop_delay(plan.graph) + (plan.rig.rig.delay if plan.rig else 0)
-    parameters = plan.scenario.parameter_values()
-    check_spool_sensor(plan, parameters["valve_controller.spool_sensor"])
-    if delay != parameters["valve_controller.delay_compensation"]:
+    scenario, node_set = physics.models()
+    cores = build_cores(scenario, node_set)
+    parameters = scenario.parameter_values()
+    if not physics.direct:
+        check_spool_sensor(parameters["valve_controller.spool_sensor"])
+        step_once(cores)
+    if physics.delay != parameters["valve_controller.delay_compensation"]:
         # Otherwise the controllers themselves have just been judged as they were built.
         try:
-            table = boost_curve(plan.scenario)
-            check_delayed_stability(plan.node_set, parameters, table, delay)
+            check_delayed_stability(node_set, parameters, boost_curve(scenario), physics.delay)
         except ValueError as error:
             raise BenchError(str(error)) from None
 
 
-def check_spool_sensor(plan: Plan, wanted: float) -> None:
+def state_of_rest(physics: Physics) -> dict[str, tuple[float, ...]]:
+    """Return what each topic is taken to have held before the first tick."""
+    from steering_bringup.cores import build_cores, rest_values
+
+    return rest_values(build_cores(*physics.models()))
+
+
+def check_spool_sensor(wanted: float) -> None:
     """Refuse spool-position feedback in the graph, where no topic carries the spools."""
-    if wanted > 0.0 and plan.manner.runner != "direct":
+    if wanted > 0.0:
         raise BenchError(
             "valve_controller.spool_sensor: no topic carries the spools' positions, so it works "
             "in direct runs only: add --direct"

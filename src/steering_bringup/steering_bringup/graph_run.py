@@ -7,9 +7,10 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from steering_bringup.cores import build_cores, node_parameters, rest_values
+from steering_bringup.checks import physics_of, state_of_rest
 from steering_bringup.errors import BenchError
 from steering_bringup.graphs import RECORDER, connection_delays
+from steering_bringup.node_parameters import node_parameters
 from steering_bringup.outcome import Outcome, peaks_of
 from steering_bringup.plans import Plan
 from steering_bringup.process_age import process_age
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from steering_bringup.rig_runs import Connection
     from steering_lockstep.outcome import Progress, RunResult
     from steering_lockstep.zygote import Zygote
+
+STATE_OF_REST = "steering_bringup.checks:state_of_rest"
 
 
 def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
@@ -43,7 +46,7 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
             plan.graph,
             scenario.ticks,
             parameters=_parameters(plan, connection),
-            rest=_rest(plan),
+            rest=_rest(plan, zygote),
             layout=plan.layout,
             real_time=plan.manner.real_time,
             timeout=plan.manner.timeout,
@@ -76,7 +79,7 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
 
 def write_external(plan: Plan, path: Path) -> None:
     """Write all that the plan's external nodes must know; BenchError naming the path."""
-    run = RunSettings(plan.graph, plan.scenario.ticks, _rest(plan), plan.manner.real_time)
+    run = RunSettings(plan.graph, plan.scenario.ticks, _rest(plan, None), plan.manner.real_time)
     parameters = {name: _parameters(plan, None)[name] for name in plan.manner.external}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -101,11 +104,15 @@ def _parameters(plan: Plan, connection: Connection | None) -> dict[str, dict[str
     return parameters
 
 
-def _rest(plan: Plan) -> dict[str, tuple[float, ...]]:
+def _rest(plan: Plan, zygote: Zygote | None) -> dict[str, tuple[float, ...]]:
     """Return the rest values, which delayed inputs and a rig before tick 0 need."""
     if not connection_delays(plan.graph) and plan.rig is None:
         return {}
-    return rest_values(build_cores(plan.scenario, plan.node_set))
+    physics = physics_of(plan)
+    if zygote is None:
+        return state_of_rest(physics)
+    values: dict[str, tuple[float, ...]] = zygote.call(STATE_OF_REST, physics)
+    return values
 
 
 def _error(result: RunResult) -> str | None:

@@ -79,7 +79,7 @@ class Plan:
     def metadata(self) -> dict[str, Any]:
         """Return what is needed to repeat the run, for the bag."""
         from steering_bringup.bags import run_metadata
-        from steering_bringup.cores import changed_values
+        from steering_bringup.node_parameters import changed_values
 
         return run_metadata(
             scenario=self.scenario.model_dump(mode="json", by_alias=True),

@@ -1,4 +1,7 @@
-"""A run with a rig in the plant's place: the node set's change, the processes beside it, checks."""
+"""A run with a rig in the plant's place: the node set's change, the processes beside it, checks.
+
+The rig bridge is imported where there is a rig: every other run starts sooner.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +10,17 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from rig_bridge.emulated import emulated
-from rig_bridge.helpers import Helper
-from rig_bridge.rig_file import RigFile, load_rig
-from rig_bridge.session import columns_of
-from rig_bridge.shipped import find_rig
-from rig_bridge.transport.registry import check_link
 from steering_bringup.errors import BenchError
 from steering_bringup.schema import NodeSet
 from steering_lockstep.graph import CLOCK, RECORDER_KIND, Graph
 from steering_lockstep.kinds import FACTORIES
 from steering_lockstep.topics import TABLE, wire
+
+if TYPE_CHECKING:
+    from rig_bridge.helpers import Helper
+    from rig_bridge.rig_file import RigFile
 
 RIG_KIND = "rig_bridge"
 PRIORITY = 20
@@ -64,6 +65,8 @@ class RigChoice:
         if self.rig.emulator is None:
             yield Connection(own)
             return
+        from rig_bridge.emulated import emulated
+
         with emulated(self.path, self.rig, self.link, PRIORITY) as (settings, process):
             yield Connection({**own, "settings": json.dumps(settings)}, process)
 
@@ -93,6 +96,10 @@ def rig_layout(graph: Graph) -> dict[str, str]:
 
 def choose_rig(name: str, link: str | None, on_fault: OnFault) -> RigChoice:
     """Return the checked choice of a rig by name or file; BenchError tells what is wrong."""
+    from rig_bridge.rig_file import load_rig
+    from rig_bridge.shipped import find_rig
+    from rig_bridge.transport.registry import check_link
+
     path = find_rig(name).resolve()
     rig = load_rig(path)
     chosen = link or rig.link
@@ -105,6 +112,8 @@ def with_rig(node_set: NodeSet, choice: RigChoice) -> NodeSet:
 
     BenchError where the rig does not fit.
     """
+    from rig_bridge.session import columns_of
+
     rig = choice.rig
     if rig.valve_system != node_set.valve_system:
         raise BenchError(

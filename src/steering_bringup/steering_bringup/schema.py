@@ -24,7 +24,6 @@ from steering_bringup.named_values import EffectValues, ParameterValues
 from steering_core.parameters import ParameterSet, load_parameters
 from steering_core.strict import Number, Strict
 from steering_lockstep.topics import LOAD_COMMAND
-from steering_plant.measured_boost_curve import boost_table, read_boost_curve
 from vehicle_model.loads import LOADS, make_load
 
 LONGEST_RUN_S = 86_400.0
@@ -59,12 +58,16 @@ class BoostCurve(Strict):
 
     @model_validator(mode="after")
     def _can_be_made(self) -> BoostCurve:
+        from steering_plant.measured_boost_curve import boost_table  # its kernels take a second
+
         boost_table(self.model_dump())
         return self
 
 
 def _read_curve(value: Any, info: ValidationInfo) -> Any:
     """Replace a file by its numbers, so that neither a bag nor a node needs the file."""
+    from steering_plant.measured_boost_curve import read_boost_curve
+
     return read_boost_curve(_beside(value, info)) if isinstance(value, str) else value
 
 

@@ -7,42 +7,44 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from steering_bringup.checks import check_physics, check_place
+from steering_bringup.checks import check_physics, check_place, physics_of
 from steering_bringup.errors import BenchError
+from steering_bringup.forerunner import forerunner, programs
 from steering_bringup.interrupts import nothing_to_lose
 from steering_bringup.outcome import Outcome
 from steering_bringup.plans import Plan
 
 if TYPE_CHECKING:
     from steering_bringup.bags import Trace
+    from steering_lockstep.zygote import Zygote
+
+CHECK_PHYSICS = "steering_bringup.checks:check_physics"
 
 
-def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> list[Outcome]:
+def run_all(
+    plans: Sequence[Plan],
+    on_outcome: Callable[[Outcome], None],
+    zygote: Zygote | None = None,
+) -> list[Outcome]:
     """Run ``plans`` in order; the first that does not end well is the last that is run.
 
-    Checks all of them before the first starts. The node programs are imported by a helper process
-    meanwhile, once for all runs.
+    Checks all of them before the first starts. zygote: a ``forerunner`` that was started earlier,
+    where time matters.
     """
     for plan in plans:
         if plan.bag is not None:
             check_place(plan.bag)
     with ExitStack() as stack:
         graphs = [plan for plan in plans if plan.manner.runner == "graph"]
-        zygote = None
         if graphs:
-            from steering_lockstep.kinds import location
-            from steering_lockstep.zygote import Zygote
-
-            kinds = {
-                node.kind
-                for plan in graphs
-                for node in plan.graph.nodes
-                if node.name not in plan.manner.external
-            }
-            zygote = stack.enter_context(Zygote(sorted(location(k).split(":")[0] for k in kinds)))
+            zygote = zygote or stack.enter_context(forerunner())
+            zygote.load(programs(_kinds(graphs)))
         with nothing_to_lose():
             for plan in plans:
-                check_physics(plan)
+                if zygote is not None and plan in graphs:
+                    zygote.call(CHECK_PHYSICS, physics_of(plan))
+                else:
+                    check_physics(physics_of(plan))
             if graphs:
                 # Here, where Ctrl-C cannot be lost; it takes long enough.
                 import steering_lockstep.processes  # noqa: F401
@@ -60,6 +62,16 @@ def run_all(plans: Sequence[Plan], on_outcome: Callable[[Outcome], None]) -> lis
     return outcomes
 
 
+def _kinds(plans: Sequence[Plan]) -> set[str]:
+    """Return the kinds of nodes that the runs' own processes hold."""
+    return {
+        node.kind
+        for plan in plans
+        for node in plan.graph.nodes
+        if node.name not in plan.manner.external
+    }
+
+
 def make_folder(folder: Path) -> None:
     """Make a folder and those above it; BenchError names the one that cannot be made."""
     try:
@@ -69,21 +81,23 @@ def make_folder(folder: Path) -> None:
         raise BenchError(f"the folder '{place}' cannot be made: {error.strerror}") from None
 
 
-def _run(plan: Plan, zygote: object) -> Outcome:
+def _run(plan: Plan, zygote: Zygote | None) -> Outcome:
     if plan.manner.runner == "direct":
         from steering_bringup.direct_run import run_direct
 
         return run_direct(plan)
     from steering_bringup.graph_run import run_through_graph
 
-    return run_through_graph(plan, zygote)  # type: ignore[arg-type]
+    return run_through_graph(plan, zygote)
 
 
 def compare_bags(first: Path, second: Path, page: Path) -> tuple[list[str], dict[str, object]]:
     """Compare two bags, write the page, and return (lines for the terminal, numbers)."""
     from steering_bringup.bags import read_bag
 
-    return compare_traces(read_bag(first), read_bag(second), page)
+    return compare_traces(
+        read_bag(first, repair_damage=False), read_bag(second, repair_damage=False), page
+    )
 
 
 def compare_traces(first: Trace, second: Trace, page: Path) -> tuple[list[str], dict[str, object]]:

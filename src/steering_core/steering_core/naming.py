@@ -24,7 +24,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 def unknown(what: str, name: str, known: Iterable[str]) -> str:
     """Return the text of an error about an unknown ``name``, with the nearest known one."""
-    names = list(known)
+    names = list(dict.fromkeys(known))
     hint = nearest(name, names)
     if not hint and len(names) <= 12:
         hint = f"; known: {', '.join(sorted(names))}"

@@ -11,8 +11,8 @@ from pydantic_core import PydanticCustomError
 from steering_core.naming import unknown
 
 
-def fault(key: str, text: str) -> PydanticCustomError:
-    """Return an error about the entry ``key`` of the mapping that is being checked."""
+def fault(key: str | tuple[str, ...], text: str) -> PydanticCustomError:
+    """Return an error about an entry of the mapping that is being checked: its key, or the way."""
     return PydanticCustomError("fault", "{text}", {"key": key, "text": text})
 
 
@@ -29,12 +29,17 @@ class Strict(BaseModel):
         return data
 
 
-def check_keys(what: str, data: Mapping[Any, Any], known: Iterable[str]) -> None:
-    """Raise an error naming the first key of ``data`` that is not ``known``, and the nearest."""
+def check_keys(
+    what: str, data: Mapping[Any, Any], known: Iterable[str], within: tuple[str, ...] = ()
+) -> None:
+    """Raise an error naming the first key of ``data`` that is not ``known``, and the nearest.
+
+    within: the way to ``data`` from the mapping that is being checked.
+    """
     names = list(known)
     for key in data:
         if key not in names:
-            raise fault(str(key), unknown(what, str(key), names))
+            raise fault((*within, str(key)), unknown(what, str(key), names))
 
 
 def number(value: Any) -> Any:

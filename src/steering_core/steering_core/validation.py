@@ -19,9 +19,11 @@ TEXTS = {
     "float_type": "must be a number, got {input!r}",
     "int_type": "must be a whole number, got {input!r}",
     "int_from_float": "must be a whole number, got {input!r}",
+    "int_parsing": "must be a whole number, got {input!r}",
+    "float_parsing": "must be a number, got {input!r}",
     "bool_type": "must be true or false, got {input!r}",
     "bool_parsing": "must be true or false, got {input!r}",
-    "string_type": "must be a text, got {input!r}",
+    "string_too_short": "must not be empty",
     "string_pattern_mismatch": "must be lower-case letters, digits and _, got {input!r}",
     "dict_type": "must be a mapping, got {input!r}",
     "model_attributes_type": "must be a mapping, got {input!r}",
@@ -36,7 +38,8 @@ def explain(error: ValidationError, document: Document) -> str:
     context = first.get("ctx", {})
     place = list(first["loc"])
     if first["type"] == "fault":
-        place.append(context["key"])
+        key = context["key"]
+        place += key if isinstance(key, tuple) else [key]
     text = _text(first["type"], first["msg"], first["input"], context)
     written = _written(place, document.data)
     key = "" if written and str(written[-1]) in text else ".".join(map(str, written)) + ": "
@@ -49,9 +52,20 @@ def _text(kind: str, message: str, given: Any, context: Mapping[str, Any]) -> st
         return str(context["text"])
     if kind == "value_error":
         return str(context["error"])
+    if kind == "string_type":
+        return f"must be a text, got {_quoted(given)}"
     if kind in TEXTS:
         return TEXTS[kind].format(input=given, **context)
     return message[:1].lower() + message[1:]
+
+
+def _quoted(given: Any) -> str:
+    """Return what stands in a text's place, and how it becomes one."""
+    if given is None:
+        return "nothing"
+    if isinstance(given, bool):
+        return f"{str(given).lower()}, as YAML reads yes, no, on and off: put it in quotes"
+    return repr(given) if isinstance(given, list | dict) else f"{given}: put it in quotes"
 
 
 def _written(place: Sequence[str | int], data: Any) -> list[str | int]:

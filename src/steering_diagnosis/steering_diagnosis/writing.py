@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from pathlib import Path
 
 import yaml
 
+from steering_bringup.outputs import write_json, write_text
 from steering_core.errors import BenchError
+from steering_diagnosis.data.record import READ_AS
 from steering_diagnosis.pages import write_page
 from steering_diagnosis.pages.cards import best_gain
 from steering_diagnosis.pages.shown import number, percent, quantity, words
+from steering_diagnosis.pages.tables import at_their_end
 from steering_diagnosis.report import Cause, Diagnosis, Report
 
 EXTENSION_HEAD = """\
@@ -23,17 +25,10 @@ def write_all(diagnosis: Diagnosis, folder: Path) -> list[Path]:
     """Write report.html, report.json and, where there are causes, extension.yaml."""
     report = diagnosis.report
     files = [write_page(diagnosis, folder / "report.html"), folder / "report.json"]
-    extension = folder / "extension.yaml"
-    try:
-        text = json.dumps(report.model_dump(mode="json"), indent=2)
-        files[1].write_text(text + "\n", encoding="utf-8")
-        if diagnosis.extension:
-            extension.write_text(
-                _extension(diagnosis, extension), encoding="utf-8", errors="replace"
-            )
-            files.append(extension)
-    except OSError as error:
-        raise BenchError(f"'{error.filename}' cannot be written: {error.strerror}") from None
+    write_json(files[1], report.model_dump(mode="json"))
+    if diagnosis.extension:
+        files.append(folder / "extension.yaml")
+        write_text(files[2], _extension(diagnosis, files[2]))
     return files
 
 
@@ -75,7 +70,9 @@ def tell(diagnosis: Diagnosis, files: list[Path]) -> list[str]:
         )
     lines += [f"suspected: {text}" for text in report.suspicions]
     lines += [f"unexplained: {_rest(report)}"] if report.unexplained else []
-    lines += [f"note: {text}" for text in report.notes]
+    if warned := at_their_end(report):
+        lines.append(f"note: refitted {warned}")
+    lines += [text if text.startswith(READ_AS) else f"note: {text}" for text in report.notes]
     return [*lines, f"page: {files[0]}", *(f"file: {file}" for file in files[1:])]
 
 

@@ -67,7 +67,7 @@ class FreeClock(ClockNode):
         self._tell()
 
     def _turn(self) -> None:
-        rows = self.core.receive()
+        rows = self.core.receive(self._left())
         with self.outbox.held():
             for begun, row in enumerate(rows, 1):
                 self._begin(row)
@@ -75,6 +75,10 @@ class FreeClock(ClockNode):
             if not rows:
                 self._answer()
         self._after()
+
+    def _left(self) -> int:
+        """Return how many ticks of the run have yet to begin."""
+        return self.run.ticks - (self.barrier.tick + 1 if self.begun else 0)
 
     def _await(self, ahead: int) -> None:
         """Answer the tick as soon as its commands are there, the last of a turn in any case."""
@@ -86,7 +90,7 @@ class FreeClock(ClockNode):
 
     def _begin(self, row: tuple[float, ...]) -> None:
         """Publish the next tick; none is left out, however late the nodes are."""
-        if self.finished or (self.begun and self.barrier.tick + 1 >= self.run.ticks):
+        if self.finished:
             return
         if self.begun:
             self.barrier.advance()
@@ -121,7 +125,7 @@ class FreeClock(ClockNode):
             text = f"the recorder is {self.barrier.tick - self.credit + CREDIT_TICKS} ticks behind"
             recorder = self.run.graph.publisher[CREDIT]
             raise LockstepError("record", recorder, CREDIT, self.barrier.tick, text)
-        if self.begun and self.barrier.tick + 1 >= self.run.ticks:
+        if not self._left():
             self.ended_at = monotonic_ns()
             self.core.close()
             self._tell()

@@ -32,8 +32,11 @@ class Outside(Protocol):
     def open(self) -> None:
         """Begin; called once, when every node is there."""
 
-    def receive(self) -> list[tuple[float, ...]]:
-        """Wait for the hardware, a few ticks at most; return a row for each tick that began."""
+    def receive(self, most: int) -> list[tuple[float, ...]]:
+        """Wait for the hardware, a few ticks at most; return a row for each tick that began.
+
+        most: how many are left of the run; what comes after them is nobody's.
+        """
 
     def answer(
         self, tick: int, values: Sequence[float], age: int, late: str | None, ahead: int

@@ -3,12 +3,15 @@
 Forking the caller itself would be unsound: it may have threads (a progress bar, a linear algebra
 library), and its imports are none of ours. The zygote has one thread, no ROS context and nothing
 open but the socket to its owner. When the owner goes away, however it does, it ends, and what it
-forked with it.
+forked with it. What it has called itself, such as compiled kernels, the forked processes have too.
 """
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import gc
+import importlib
 import os
 import pickle
 import signal
@@ -16,13 +19,17 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection, Pipe
 from typing import Any
+
+from steering_core.errors import BenchError
 
 PRELOADED = ("steering_lockstep.worker",)
 LENGTH = 4
 ORPHAN_GRACE = 3.0
+PR_SET_PDEATHSIG = 1
+"""Of Linux's prctl."""
 _BOOT = (
     "import sys; sys.path[:] = {path!r}; from steering_lockstep.zygote import serve; serve({fd})"
 )
@@ -35,6 +42,7 @@ class Zygote:
     """
 
     def __init__(self, modules: Sequence[str] = ()) -> None:
+        self._has_forked = False
         self._socket, theirs = socket.socketpair()
         boot = _BOOT.format(path=sys.path, fd=theirs.fileno())
         environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
@@ -45,10 +53,31 @@ class Zygote:
                 stdin=subprocess.DEVNULL,
                 env=environment,
             )
-        _send(self._socket, [*PRELOADED, *modules])
+        self.load([*PRELOADED, *modules])
+
+    def load(self, modules: Sequence[str]) -> None:
+        """Import ``modules`` in the background."""
+        _send(self._socket, ("load", list(modules)))
+
+    def call(self, function: str, argument: Any) -> Any:
+        """Return what "module:function"(argument) gives there, or raise what it raises.
+
+        Before anything is forked: a Ctrl-C ends the zygote meanwhile.
+        """
+        try:
+            _send(self._socket, ("call", function, argument))
+            value, error = _receive(self._socket)
+        except (EOFError, OSError):
+            status = self._process.wait()
+            text = f"the process that prepares the nodes ended (status {status}): run it again"
+            raise BenchError(text) from None
+        if error is not None:
+            raise error
+        return value
 
     def fork(self, function: str, argument: Any) -> tuple[int, Connection]:
         """Run "module:function"(connection, argument) in a new process; (pid, our connection)."""
+        self._has_forked = True
         ours, theirs = Pipe()
         with theirs:
             _send(self._socket, ("fork", function, argument))
@@ -63,6 +92,8 @@ class Zygote:
     def close(self) -> None:
         """End the zygote and whatever it forked that is still there."""
         self._socket.close()
+        if not self._has_forked:
+            self._process.kill()  # it may be importing for seconds
         try:
             self._process.wait(ORPHAN_GRACE + 2.0)
         except subprocess.TimeoutExpired:
@@ -77,32 +108,60 @@ class Zygote:
 
 
 def serve(descriptor: int) -> None:
-    """Import the owner's modules, then fork and reap as it asks, until it goes away."""
+    """Import, call, fork and reap as the owner asks, until it goes away."""
     # Blocked, not ignored, and so in all that is forked: a signal to the whole group is the owner's
     # business alone, and it needs this process to end the others in order.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     children: set[int] = set()
     with socket.socket(fileno=descriptor) as owner, contextlib.suppress(EOFError, OSError):
-        _import_all(_receive(owner))
         while True:
-            request = _receive(owner)
-            if request[0] == "reap":
-                _send(owner, _wait(request[1]))
-                children.discard(request[1])
+            kind, *request = _receive(owner)
+            if kind == "load":
+                _import_all(*request)
+            elif kind == "call":
+                _send(owner, _answer(*request))
+            elif kind == "reap":
+                _send(owner, _wait(*request))
+                children.discard(*request)
             else:
-                children.add(_fork(owner, *request[1:]))
+                children.add(_fork(owner, *request))
     _end(children)
 
 
 def _import_all(modules: Sequence[str]) -> None:
-    import gc
-    import importlib
-
     for module in modules:
         # A missing or broken module is reported by the process that needs it.
         with contextlib.suppress(Exception):
             importlib.import_module(module)
     gc.freeze()
+
+
+def _answer(function: str, argument: Any) -> tuple[Any, Exception | None]:
+    """Call a function; a call may take a minute, and then nobody may be there any more."""
+    _end_with_owner(True)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    try:
+        return _function(function)(argument), None
+    except Exception as error:
+        return None, error if _travels(error) else RuntimeError(f"{type(error).__name__}: {error}")
+    finally:
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        _end_with_owner(False)
+        gc.freeze()
+
+
+def _travels(error: Exception) -> bool:
+    try:
+        return type(pickle.loads(pickle.dumps(error))) is type(error)
+    except Exception:
+        return False
+
+
+def _end_with_owner(at_once: bool) -> None:
+    """Let the kernel kill this process when its owner ends, where the kernel is Linux's."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL if at_once else 0)
 
 
 def _fork(owner: socket.socket, function: str, argument: Any) -> int:
@@ -115,7 +174,7 @@ def _fork(owner: socket.socket, function: str, argument: Any) -> int:
     code = 1
     try:
         owner.close()
-        _call(function, Connection(descriptors[0]), argument)
+        _function(function)(Connection(descriptors[0]), argument)
         code = 0
     except BaseException:
         sys.excepthook(*sys.exc_info())
@@ -126,11 +185,10 @@ def _fork(owner: socket.socket, function: str, argument: Any) -> int:
         os._exit(code)
 
 
-def _call(function: str, connection: Connection, argument: Any) -> None:
-    import importlib
-
-    module, name = function.split(":")
-    getattr(importlib.import_module(module), name)(connection, argument)
+def _function(place: str) -> Callable[..., Any]:
+    module, name = place.split(":")
+    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return function
 
 
 def _wait(pid: int) -> int:

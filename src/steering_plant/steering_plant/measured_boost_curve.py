@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from steering_core.csv_columns import read_columns
 from steering_core.naming import unknown
@@ -46,6 +45,8 @@ def boost_table(points: Points) -> np.ndarray:
     """
     if not points:
         return FORMULA
+    from scipy.interpolate import PchipInterpolator  # takes half a second, and few runs need it
+
     torque, pressure = _checked(points)
     curve = PchipInterpolator(torque, pressure)
     slopes = curve.derivative()(torque[[0, -1]])

@@ -50,7 +50,6 @@ INTEGRAL_GAIN = 100.0
 RESTRICTOR_SHARE = 0.92
 """Of the restrictor criterion's limit (5.28), as on the data sheet."""
 
-SMALLEST_TIME_S = 1e-4
 PENALTY = 10.0
 """A violated boundary weighs like ten normalised objectives, and by how far it is violated."""
 

@@ -28,7 +28,12 @@ class EmulatorSettings(Strict):
     hand: Hand | None = Field(None, description="angle on the wheel, in place of the torque motor")
     sensors: dict[str, Sensor] = Field({}, description="ideal where not given")
     seed: int = Field(1, ge=0)
-    clock_drift: Number = Field(0.0, gt=-0.5, lt=0.5, description="relative; positive is slow")
+    clock_drift: Number = Field(
+        0.0,
+        gt=-0.5,
+        lt=100.0,
+        description="relative; positive is slow: 3 is a quarter of real time",
+    )
     clock_start_ns: int = Field(0, ge=0)
     command_delay: int = Field(0, ge=0, le=20, description="periods")
     stale_ticks: int = Field(5, ge=1, description="periods without commands until it is safe")

@@ -1,4 +1,7 @@
-"""The one table of transports: a new one is a class with the methods of ``link.Link``."""
+"""The one table of transports: a new one is a class with the methods of ``link.Link``.
+
+CAN's libraries are imported where CAN is used: they take a second, in every process.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,6 @@ from typing import Any
 from pydantic import ValidationError
 
 from rig_bridge.rig_file import RigFile
-from rig_bridge.transport.can_check import check_can, dbc_path
-from rig_bridge.transport.can_link import CanLink
 from rig_bridge.transport.link import Link
 from rig_bridge.transport.settings import CanSettings, UdpSettings, several
 from rig_bridge.transport.udp import UdpLink
@@ -26,6 +27,9 @@ def _udp(rig: RigFile, folder: Path, rig_end: bool, values: Settings) -> Link:
 
 
 def _can(rig: RigFile, folder: Path, rig_end: bool, values: Settings) -> Link:
+    from rig_bridge.transport.can_check import dbc_path
+    from rig_bridge.transport.can_link import CanLink
+
     buses = [CanSettings.model_validate(one) for one in several(values)]
     return CanLink(rig, buses, dbc_path(rig, folder, buses))
 
@@ -39,7 +43,13 @@ def _check_udp(rig: RigFile, folder: Path) -> list[str]:
     return []
 
 
-CHECKS: Mapping[str, Callable[[RigFile, Path], list[str]]] = {"udp": _check_udp, "can": check_can}
+def _check_can(rig: RigFile, folder: Path) -> list[str]:
+    from rig_bridge.transport.can_check import check_can
+
+    return check_can(rig, folder)
+
+
+CHECKS: Mapping[str, Callable[[RigFile, Path], list[str]]] = {"udp": _check_udp, "can": _check_can}
 
 
 def check_link(kind: str, rig: RigFile, folder: Path) -> list[str]:

@@ -53,10 +53,10 @@ def read_bag(
     if trace.complete and path.is_dir() and not (path / METADATA_FILE).exists():
         trace.complete = False
         trace.notes.insert(0, "not complete (metadata.yaml is missing): every message is there")
-    if not trace.complete and repair_damage and path.is_dir() and _is_ours(found):
+    if not trace.complete and path.is_dir() and _is_ours(found):
         if is_being_written(file):
             trace.notes.append("the bag is still being written")
-        else:
+        elif repair_damage:
             trace.notes.append(_try_repair(path))
     return trace
 

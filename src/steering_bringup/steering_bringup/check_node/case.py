@@ -25,7 +25,7 @@ from steering_bringup.check_node.faults import (
 from steering_bringup.check_node.link import BENCH, Link
 from steering_bringup.check_node.program import Program
 from steering_bringup.check_node.record import MEMBER, Record, Subject
-from steering_bringup.cores import changed_values
+from steering_bringup.node_parameters import changed_values
 from steering_bringup.schema import NodeSet, Scenario
 from steering_lockstep.domain import claim_domain
 from steering_lockstep.graph import CLOCK, NodeSpec, check_graph

@@ -74,6 +74,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser.print_help()
         return USAGE
     try:
+        _check_outputs(options)
         status = int(options.implementation.execute(options) or 0)
         sys.stdout.flush()
         return status
@@ -91,6 +92,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         except OSError:
             streams.be_quiet(sys.stdout)
         return FAILED
+
+
+def _check_outputs(options: argparse.Namespace) -> None:
+    """Refuse places that cannot be written before the work, not after it."""
+    from steering_bringup.outputs import check_file, check_folder
+
+    out = next((a for a in options.parser._actions if a.dest == "out"), None)
+    if out is not None and options.out is not None:
+        (check_folder if out.metavar == "DIR" else check_file)(options.out)
+    if getattr(options, "json", None) is not None:
+        check_file(options.json)
 
 
 def _parser(arguments: Sequence[str]) -> _Parser:
@@ -161,6 +173,8 @@ def _one_line(error: Exception) -> str:
         return text
     if isinstance(error, OSError) and error.filename is not None:
         return f"'{error.filename}': {error.strerror}"
+    if isinstance(error, OSError) and streams.is_refused(sys.stdout, error):
+        return f"standard output cannot be written: {error.strerror}"
     return f"{type(error).__name__}: {text} (--debug shows where)"
 
 

@@ -16,6 +16,7 @@ from steering_bringup.benchmarking import figures
 from steering_bringup.benchmarking.registry import BENCHMARKS
 from steering_bringup.benchmarking.rows import missed
 from steering_bringup.errors import BenchError
+from steering_bringup.outputs import write_json
 from steering_core.naming import unknown
 
 EXAMPLES = """examples:
@@ -41,6 +42,7 @@ OF_DIAGNOSIS = (
     "without",
     "calibrate",
     "clean_gains",
+    "diff",
 )
 """Options that are handed on to the sealed benchmark of diagnosis, with --full and --missing."""
 
@@ -83,6 +85,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--without", metavar="GROUP", nargs="+", help="channels that no case has")
     add("--calibrate", metavar="MODULE:FUNCTION", help="a statistic over N clean records instead")
     add("--clean-gains", metavar="FILE", help="what N clean records gain by wrong causes instead")
+    add("--diff", metavar="DIR", help="only tell what differs from the results kept in DIR")
     add("--page", metavar="FILE", help="the HTML page (default: in --records)")
 
 
@@ -106,8 +109,7 @@ def execute(options: argparse.Namespace) -> int:
         print(f"== {name}", flush=True)
         words = [*(["--quick"] if options.quick else []), *(more if name == "diagnosis" else [])]
         report["benchmarks"][name] = _measure(root / "benchmarks" / f"{name}.py", words)
-    options.json.parent.mkdir(parents=True, exist_ok=True)
-    options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_json(options.json, report)
     if options.readme:
         _write_figures(root, report["benchmarks"])
     print(f"numbers: {options.json}", flush=True)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from steering_bringup.errors import BenchError
+from steering_bringup.outputs import write_json
 
 if TYPE_CHECKING:
     from steering_bringup.check_node.judge import Verdict
@@ -44,9 +44,8 @@ def execute(options: argparse.Namespace) -> int:
     print("\n".join(table(verdicts)))
     failed = [v for v in verdicts if not v.passed]
     if options.json:
-        options.json.parent.mkdir(parents=True, exist_ok=True)
         report = {"passed": not failed, "verdicts": [v.as_json() for v in verdicts]}
-        options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, report)
     return 1 if failed else 0
 
 

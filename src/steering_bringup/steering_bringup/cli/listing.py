@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from fnmatch import fnmatch
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from steering_bringup.errors import BenchError
+from steering_bringup.outputs import write_json
 
 EXAMPLES = """examples:
   steer list
@@ -50,7 +50,7 @@ def execute(options: argparse.Namespace) -> int:
     if options.list is None:
         print("\nAlso: steer list effects, steer list parameters")
     if options.json:
-        options.json.write_text(json.dumps(tables, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, tables)
     return 0
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from steering_bringup.errors import BenchError
+from steering_bringup.outputs import write_json
 
 if TYPE_CHECKING:
     from steering_bringup.playback.playing import Played, Wish
@@ -143,5 +143,4 @@ def _printable(text: str) -> str:
 
 def _write(file: Path | None, played: Played) -> None:
     if file is not None:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps(played.as_json(), indent=2) + "\n", encoding="utf-8")
+        write_json(file, played.as_json())

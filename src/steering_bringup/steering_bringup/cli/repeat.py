@@ -30,7 +30,7 @@ def execute(options: argparse.Namespace) -> int:
     from steering_bringup.session import run_all
     from steering_bringup.summary import lines
 
-    recorded = read_bag(options.bag)
+    recorded = read_bag(options.bag, repair_damage=False)
     folder = options.out or free_folder(Path("results"), "repeat")
     runner = "direct" if options.direct else None
     plan = plan_from_bag(recorded, folder / "bag", runner=runner, processes=options.processes)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
+from steering_bringup.outputs import write_json
 
 if TYPE_CHECKING:
     from steering_bringup.outcome import Outcome
@@ -97,22 +98,27 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Plan, run, compare, and tell."""
-    with nothing_to_lose():
-        from steering_bringup.session import run_all
+    with ExitStack() as stack:
+        with nothing_to_lose():
+            zygote = None
+            if not options.direct:
+                from steering_bringup.forerunner import forerunner
 
-        scenario = _scenario(options)
-        folder = _folder(options, scenario.name)
-        plans = _plans(options, scenario, folder)
-        _prepare_external(plans, folder)
-    outcomes = run_all(plans, _tell)
+                zygote = stack.enter_context(forerunner())
+            from steering_bringup.session import run_all
+
+            scenario = _scenario(options)
+            folder = _folder(options, scenario.name)
+            plans = _plans(options, scenario, folder)
+            _prepare_external(plans, folder)
+        outcomes = run_all(plans, _tell, zygote)
     report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
     if len(outcomes) == 2 and all(outcome.ok and outcome.bag for outcome in outcomes):
         report["comparison"] = _compare(outcomes, folder / "comparison.html")
     pages = _overlay_pages(plans, outcomes, folder)
     report |= {"pages": [str(page) for page in pages]} if pages else {}
     if options.json:
-        options.json.parent.mkdir(parents=True, exist_ok=True)
-        options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, report)
     return _status(outcomes[-1])
 
 

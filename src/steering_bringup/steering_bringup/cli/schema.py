@@ -15,7 +15,11 @@ EXAMPLES = """example:
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
-        "--out", type=Path, default=Path("schemas"), help="folder to write to (default: schemas)"
+        "--out",
+        metavar="DIR",
+        type=Path,
+        default=Path("schemas"),
+        help="folder to write to (default: schemas)",
     )
 
 

@@ -42,6 +42,17 @@ def reader_is_gone() -> bool:
     return gone
 
 
+def is_refused(stream: TextIO, error: OSError) -> bool:
+    """Return whether it is this stream that cannot be written (a full disk), by one more line."""
+    try:
+        os.write(stream.fileno(), b"\n")
+    except OSError as again:
+        return again.errno == error.errno
+    except ValueError:
+        return False
+    return False
+
+
 def be_quiet(stream: TextIO) -> None:
     """Drop what is still buffered: it would raise once more when the interpreter ends."""
     with suppress(OSError, ValueError):

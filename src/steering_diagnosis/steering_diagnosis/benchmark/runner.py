@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -145,7 +145,7 @@ def solve(job: Job, method: str, folder: Path) -> Judgement:
 
     A case that cannot be drawn is told as a failure, and so is any error; the others go on.
     """
-    kept = folder / "results" / method.replace(":", ".") / f"{job.case}.json"
+    kept = _results_of(folder, method) / f"{job.case}.json"
     if kept.is_file():
         return _kept(kept, _sealed(job, folder))
     try:
@@ -167,6 +167,17 @@ def solve(job: Job, method: str, folder: Path) -> Judgement:
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.write_text(json.dumps({"judgement": judgement.as_json(), "report": report}) + "\n")
     return judgement
+
+
+def kept_results(folder: Path, method: str) -> Iterator[tuple[Judgement, dict[str, Any]]]:
+    """Yield the judgement and the report of each result that ``folder`` of records keeps."""
+    for file in sorted(_results_of(folder, method).glob("*.json")):
+        report = json.loads(file.read_text(encoding="utf-8"))["report"]
+        yield _kept(file, folder / "sealed" / file.name), report
+
+
+def _results_of(folder: Path, method: str) -> Path:
+    return folder / "results" / method.replace(":", ".")
 
 
 def _kept(file: Path, sealed: Path) -> Judgement:

@@ -51,6 +51,17 @@ class Judgement:
     door: Mapping[str, Any] = field(default_factory=dict)
     unseen: tuple[str, ...] = ()
 
+    @property
+    def as_it_should(self) -> bool:
+        """Whether the report says what the case asks for, and nothing wrong beside it."""
+        if self.wrong or self.failure:
+            return False
+        if self.kind == "outside" and not self.imitated:
+            return self.unexplained
+        if self.kind in ("visible", "pair") and not self.unseen:
+            return set(self.right) == set(self.hidden)
+        return not self.named or self.kind not in ("clean", "invisible")
+
     def as_json(self) -> dict[str, Any]:
         """Return the judgement as plain data."""
         return asdict(self)

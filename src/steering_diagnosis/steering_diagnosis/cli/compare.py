@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
+
+from steering_bringup.outputs import write_json
 
 EXAMPLES = """examples:
   steer compare results/on_centre-1/open_centre results/on_centre-1/closed_centre
@@ -31,17 +32,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Compare, write the page, print the key numbers."""
     from steering_bringup.checks import free_folder
+    from steering_bringup.outputs import check_folder
     from steering_bringup.session import compare_traces, make_folder
     from steering_diagnosis.data.compared import trace_of
 
+    folder = options.out or free_folder(Path("results"), "comparison")
+    check_folder(folder)
     first = trace_of(options.first, options.mapping)
     second = trace_of(options.second, options.mapping_b or options.mapping)
-    folder = options.out or free_folder(Path("results"), "comparison")
     make_folder(folder)
     page = folder / "comparison.html"
     text, numbers = compare_traces(first, second, page)
     print("\n".join(text))
     print(f"page: {page}")
     if options.json:
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
     return 0

@@ -6,6 +6,8 @@ import argparse
 import os
 from pathlib import Path
 
+from steering_bringup.outputs import write_text
+
 EXAMPLES = """examples:
   steer diagnose results/on_centre-1/open_centre
   steer diagnose rig/monday --holdout rig/tuesday --out results/monday
@@ -37,22 +39,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Read, diagnose, write the report, tell the verdict."""
     from steering_bringup.checks import free_folder
+    from steering_bringup.outputs import check_folder
     from steering_bringup.session import make_folder
     from steering_diagnosis.data.cut import cut
     from steering_diagnosis.data.read import read_record
     from steering_diagnosis.running import run_diagnosis
     from steering_diagnosis.writing import tell, write_all
 
+    folder = options.out or free_folder(Path("results"), "diagnosis")
+    check_folder(folder)
     record = cut(read_record(options.data, options.mapping), options.start, options.stop)
     holdout = None
     if options.holdout is not None:
         holdout = cut(read_record(options.holdout, options.mapping), None, None)
-    folder = options.out or free_folder(Path("results"), "diagnosis")
     make_folder(folder)
     diagnosis = run_diagnosis(record, holdout, options.jobs)
     files = write_all(diagnosis, folder)
     if options.json:
-        options.json.parent.mkdir(parents=True, exist_ok=True)
-        options.json.write_text((folder / "report.json").read_text("utf-8"), encoding="utf-8")
+        write_text(options.json, (folder / "report.json").read_text("utf-8"))
     print("\n".join(tell(diagnosis, files)))
     return 0

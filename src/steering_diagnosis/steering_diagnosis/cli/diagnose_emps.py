@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """example:
   steer diagnose-emps FOLDER          with DATA_EMPS.mat and DATA_EMPS_PULSES.mat in it
 
@@ -21,7 +23,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Diagnose both records, print verdicts and the published errors beside ours."""
-    import json
 
     from steering_diagnosis.emps.data import ESTIMATION, PULSES
     from steering_diagnosis.emps.diagnose_axis import PUBLISHED, diagnose_axis
@@ -52,5 +53,5 @@ def execute(options: argparse.Namespace) -> int:
             "relative_errors": made.errors,
             "published": PUBLISHED,
         }
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
     return 0

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 from pathlib import Path
+
+from steering_bringup.outputs import write_json, write_text
 
 EXAMPLES = """example:
   steer plan results/diagnosis-1/report.json --out next.yaml
@@ -38,12 +39,11 @@ def execute(options: argparse.Namespace) -> int:
         chosen = plan(report, report.valve_system, executor=executor, progress=progress)
     head = f"# The experiment that {chosen.purpose}: {chosen.score:.2g} times the sensors' noise.\n"
     text = head + yaml.safe_dump(chosen.document, sort_keys=False)
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(text, encoding="utf-8")
+    write_text(options.out, text)
     for name, score in sorted(chosen.scores.items(), key=lambda item: -item[1]):
         print(f"  {name:18} {score:8.3g} times the noise")
     print(f"{chosen.document['name']} {chosen.purpose}")
     print(f"scenario: {options.out}  (steer run {options.out})")
     if options.json:
-        options.json.write_text(json.dumps({"scores": chosen.scores}, indent=2) + "\n", "utf-8")
+        write_json(options.json, {"scores": chosen.scores})
     return 0

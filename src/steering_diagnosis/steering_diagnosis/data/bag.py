@@ -25,7 +25,7 @@ TOPICS = frozenset(channel.topic for channel in CHANNELS.values())
 def record_from_bag(path: str | Path) -> Record:
     """Return the record of a bag. BenchError: no bag, or not one of a steering gear."""
     path = Path(path)
-    trace = read_bag(path, topics=TOPICS)
+    trace = read_bag(path, repair_damage=False, topics=TOPICS)
     ticks = _ticks(trace, path)
     grid = np.arange(ticks[0], ticks[-1] + 1)
     notes = [str(note) for note in trace.notes]

@@ -11,13 +11,16 @@ from steering_lockstep.signals import PLACES
 class Channel:
     """One channel, SI, signs as in docs/signs_and_units.
 
-    topic, field: where a bag has it. offset, gain: tolerance of its sensor, two standard deviations
-    of one specimen, absolute [unit] and relative; a sensor within them is nominal.
+    topic, field: where a bag has it. low, high: what no steering gear goes beyond, generously
+    [unit]; what lies outside was not measured. offset, gain: tolerance of its sensor, two standard
+    deviations of one specimen, absolute [unit] and relative; a sensor within them is nominal.
     """
 
     unit: str
     topic: str
     field: str
+    low: float
+    high: float
     offset: float = 0.0
     gain: float = 0.0
 
@@ -25,8 +28,22 @@ class Channel:
 TORQUE, PRESSURE, RACK = "/steering/torque", "/steering/pressure", "/steering/rack"
 
 
+LIMITS: dict[str, tuple[float, float]] = {
+    "rad": (-50.0, 50.0),
+    "rad/s": (-200.0, 200.0),
+    "N m": (-1e3, 1e3),
+    "Pa": (-1e6, 1e8),
+    "m": (-2.0, 2.0),
+    "m/s": (-20.0, 20.0),
+    "N": (-1e6, 1e6),
+    "N/m": (-1e10, 1e10),
+}
+"""What a quantity of any steering gear keeps within, several times over: 8 turns of the wheel, a
+truck's rack, 1000 bar; below, a pressure sensor that is 9 bar off at no pressure."""
+
+
 def _channel(name: str, unit: str, offset: float = 0.0, gain: float = 0.0) -> Channel:
-    return Channel(unit, *PLACES[name], offset, gain)
+    return Channel(unit, *PLACES[name], *LIMITS[unit], offset, gain)
 
 
 MEASURED: dict[str, Channel] = {

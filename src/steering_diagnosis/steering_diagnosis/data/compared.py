@@ -27,7 +27,9 @@ def trace_of(path: Path, mapping: Path | None) -> Trace:
     """
     if path.suffix.lower() in READERS:
         return _of_record(read_record(path, mapping))
-    trace = read_bag(path)
+    trace = read_bag(path, repair_damage=False)
+    if not trace.complete:
+        trace.notes.append("read as far as it goes and left as it is; 'steer recover' repairs it")
     return trace if is_run(trace) else _on_ticks(trace)
 
 

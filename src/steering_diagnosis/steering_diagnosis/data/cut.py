@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,7 @@ def cut(record: Record, start: float | None, stop: float | None) -> Record:
     a note says so.
     """
     length = len(record) * PERIOD_S
+    _check(record, start, stop)
     if start is None and stop is None and length > LONGEST_S:
         first = _liveliest(record, round(LONGEST_S / PERIOD_S))
         note = (
@@ -32,12 +34,24 @@ def cut(record: Record, start: float | None, stop: float | None) -> Record:
         return _part(record, first, first + round(LONGEST_S / PERIOD_S), (note,))
     first = round((start or 0.0) / PERIOD_S)
     last = len(record) if stop is None else min(round(stop / PERIOD_S), len(record))
-    if first < 0 or (last - first) * PERIOD_S < SHORTEST_S:
+    if (last - first) * PERIOD_S < SHORTEST_S:
         raise BenchError(
             f"'{record.name}' lasts {length:.3g} s; from {start or 0.0:g} to "
             f"{length if stop is None else stop:g} s less than {SHORTEST_S:g} s are left"
         )
     return record if (first, last) == (0, len(record)) else _part(record, first, last, ())
+
+
+def _check(record: Record, start: float | None, stop: float | None) -> None:
+    """Raise BenchError for instants that are none of the record's, or in the wrong order."""
+    length = len(record) * PERIOD_S
+    for option, value in (("--from", start), ("--to", stop)):
+        if value is not None and not (0.0 <= value < math.inf):
+            raise BenchError(f"{option} must be in s from the record's beginning, got {value:g}")
+    if start is not None and stop is not None and stop <= start:
+        raise BenchError(f"--to {stop:g} is not after --from {start:g}")
+    if start is not None and start >= length:
+        raise BenchError(f"--from {start:g}: '{record.name}' lasts {length:.3f} s")
 
 
 def _part(record: Record, first: int, last: int, notes: tuple[str, ...]) -> Record:

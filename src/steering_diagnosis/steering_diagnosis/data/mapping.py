@@ -15,8 +15,10 @@ from steering_core.yaml_lines import Document, read_yaml
 from steering_diagnosis.data.channels import CHANNELS
 from steering_diagnosis.data.units import FACTORS, spelled
 
-Sign = Annotated[int, Field(ge=-1, le=1)]
-Comment = Annotated[str, Field(min_length=1)]
+LONGEST_DELAY_S = 1.0
+"""s; no sensor or filter lags by more."""
+
+Text = Annotated[str, Field(min_length=1)]
 
 
 def several(value: Any) -> Any:
@@ -44,14 +46,31 @@ def encoding(value: Any) -> Any:
     return value
 
 
+def sign(value: Any) -> Any:
+    """Let through 1 and -1."""
+    if isinstance(value, bool) or value not in (1, -1, "1", "-1", "+1"):
+        raise ValueError(f"must be 1 or -1, got {value!r}")
+    return int(value)
+
+
+def no_value(value: Any) -> Any:
+    """Let through a text or a number that stands for no value."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        shown = str(value).lower() if isinstance(value, bool) else repr(value)
+        raise ValueError(f"must be texts or numbers, got {shown}: put a text in quotes")
+    return value
+
+
 Separator = Annotated[str, BeforeValidator(separator)]
 Encoding = Annotated[str, BeforeValidator(encoding)]
+Sign = Annotated[int, BeforeValidator(sign)]
+NoValue = Annotated[str | float, BeforeValidator(no_value)]
 
 
 class MappedChannel(Strict):
     """One channel: value = sign x (scale x raw x unit + offset), in SI."""
 
-    source: str = Field(alias="from", description="name of the channel or column in the file")
+    source: Text = Field(alias="from", description="name of the channel or column in the file")
     unit: str = Field("", description="unit of the numbers, after `scale`; none: the file's own")
     sign: Sign = Field(1, description="1, or -1 where the file's positive is the bench's negative")
     scale: Number = Field(1.0, description="factor from the file's numbers to `unit`")
@@ -68,11 +87,32 @@ class MappedChannel(Strict):
     clock: str = Field("", description="name of the clock, where it is not the file's first")
     time: str = Field("", description="MATLAB: vector with the time of this channel alone")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _is_named(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "column" in data and "from" not in data:
+            raise fault(
+                "column",
+                "column alone is not enough: it says which one, where the name `from` occurs twice",
+            )
+        return data
+
     @model_validator(mode="after")
-    def _has_sign(self) -> MappedChannel:
-        if self.sign == 0:
-            raise fault("sign", "sign must be 1 or -1, got 0")
+    def _is_physical(self) -> MappedChannel:
+        if self.scale == 0.0:
+            raise fault("scale", "scale must not be 0: all values would be the same")
+        if abs(self.delay) > LONGEST_DELAY_S:
+            raise fault(
+                "delay",
+                f"delay must be within {LONGEST_DELAY_S:g} s, got {self.delay:g}: it is in "
+                "seconds; for a logger with a clock of its own use 'clocks'",
+            )
         return self
+
+    @property
+    def place(self) -> tuple[Any, ...]:
+        """What says where in the file it is."""
+        return (self.source, self.group, self.origin, self.index, self.column)
 
 
 class Clock(Strict):
@@ -113,31 +153,35 @@ class Mapping(Strict):
     encoding: Encoding | None = Field(None, description="CSV: as 'utf-8', 'cp1252', 'utf-16'")
     header_line: int | None = Field(None, ge=1, description="CSV: line of the names, from 1")
     units_line: int | None = Field(None, ge=1, description="CSV: line of the units, from 1")
-    comment: Annotated[tuple[Comment, ...], BeforeValidator(several)] = Field(
+    comment: Annotated[tuple[Text, ...], BeforeValidator(several)] = Field(
         (), description="CSV: what begins a comment line; without it: #, % and //"
     )
-    missing: Annotated[tuple[str | float, ...], BeforeValidator(several)] = Field(
-        (), description="CSV: further texts or numbers that stand for no value, as -999"
+    missing: Annotated[tuple[NoValue, ...], BeforeValidator(several)] = Field(
+        (), description="numbers that stand for no value, as -999; in CSV texts as well"
     )
 
     @model_validator(mode="after")
     def _fits(self) -> Mapping:
-        check_keys("channel", self.channels, CHANNELS)
+        check_keys("channel", self.channels, CHANNELS, ("channels",))
         if spelled(self.time_unit) not in FACTORS["s"]:
             raise fault("time_unit", f"time_unit must be one of {', '.join(FACTORS['s'])}")
         for name, channel in self.channels.items():
-            known = FACTORS[CHANNELS[name].unit]
-            if channel.unit and spelled(channel.unit) not in known:
-                raise fault(
-                    name, f"{name}: unit '{channel.unit}' must be one of {', '.join(known)}"
-                )
-            if channel.clock and channel.clock not in self.clocks:
-                raise fault(name, f"{name}: clock '{channel.clock}' is not among 'clocks'")
+            self._check(name, channel)
         if self.decimal is not None and self.decimal == self.thousands:
             raise fault("thousands", "decimal and thousands must differ")
         if not self.channels:
             raise fault("channels", "channels: at least one is needed")
         return self
+
+    def _check(self, name: str, channel: MappedChannel) -> None:
+        known = FACTORS[CHANNELS[name].unit]
+        where = ("channels", name)
+        if channel.unit and spelled(channel.unit) not in known:
+            raise fault(where, f"{name}: unit '{channel.unit}' must be one of {', '.join(known)}")
+        if channel.clock and channel.clock not in self.clocks:
+            raise fault(where, f"{name}: clock '{channel.clock}' is not among 'clocks'")
+        if channel.place == (self.time, None, "", None, self.time_column):
+            raise fault(where, f"{name}: '{channel.source}' is the time already")
 
 
 def load_mapping(path: str | Path) -> tuple[Mapping, Document]:

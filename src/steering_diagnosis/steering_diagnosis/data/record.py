@@ -13,6 +13,9 @@ from steering_core.parameters import ParameterSet, load_parameters
 
 PERIOD_S = 1e-3
 
+READ_AS = "read as: "
+"""Begins the note that says how a file was read."""
+
 
 @dataclass(frozen=True, repr=False)
 class Record:

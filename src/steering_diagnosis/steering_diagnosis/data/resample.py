@@ -58,6 +58,15 @@ def sampled(
         findings.append(f"{name}: {gone} of {len(values)} samples are no numbers{why}: left out")
     place = np.arange(1, len(time) + 1) if lines is None else lines
     time, values, place = time[finite], values[finite], place[finite]
+    stray = _stray(time)
+    if stray.any():
+        far = int(np.flatnonzero(stray)[0])
+        findings.append(
+            f"{name}: {np.count_nonzero(stray)} instants lie far from all others (first: "
+            f"{time[far]:.6g} s in {'sample' if lines is None else 'line'} {place[far]}): left "
+            "out"
+        )
+        time, values, place = time[~stray], values[~stray], place[~stray]
     still = np.flatnonzero(np.diff(time) <= 0.0)
     if len(still):
         at = f"{'sample' if lines is None else 'line'} {place[still[0] + 1]}"
@@ -90,6 +99,28 @@ def sampled(
     findings += _timing(name, time, period)
     findings += _values(name, values)
     return Sampled(name, time, values, tuple(findings), period)
+
+
+def _stray(time: np.ndarray) -> np.ndarray:
+    """Return which instants are none of the record's, (n,) bool.
+
+    Fewer than 20 at either end, further from all others than these span.
+    """
+    stray = np.zeros(len(time), dtype=bool)
+    if len(time) < FEWEST_SAMPLES:
+        return stray
+    ordered = np.sort(time)
+    few = COVERED_TWICE
+    span = ordered[-few] - ordered[few - 1]
+    if span <= 0.0:
+        return stray
+    before = np.flatnonzero(np.diff(ordered[:few]) > span)
+    behind = np.flatnonzero(np.diff(ordered[-few:]) > span)
+    if len(before):
+        stray |= time <= ordered[before[-1]]
+    if len(behind):
+        stray |= time >= ordered[len(ordered) - few + behind[0] + 1]
+    return stray
 
 
 def _covered_twice(time: np.ndarray) -> int | None:

@@ -22,7 +22,6 @@ class Comparison:
     rival: str
     excess: float
     sigmas: float
-    cosine: float
 
 
 def compare(problem: Problem, best: Fit, other: Fit, cause: str, block: np.ndarray) -> Comparison:
@@ -30,7 +29,7 @@ def compare(problem: Problem, best: Fit, other: Fit, cause: str, block: np.ndarr
     (rival,) = other.names - best.names
     apart = block_scores(problem, other, block) - block_scores(problem, best, block)
     excess = other.misfit - best.misfit
-    return Comparison(rival, excess, certainty(apart), cosine(problem, best, other))
+    return Comparison(rival, excess, certainty(apart))
 
 
 def block_scores(problem: Problem, fit: Fit, block: np.ndarray) -> np.ndarray:
@@ -39,14 +38,6 @@ def block_scores(problem: Problem, fit: Fit, block: np.ndarray) -> np.ndarray:
     white = fit.noise.whiten(fit.residual)
     each = np.where(rows, white**2, 0.0).sum(axis=1)
     return np.bincount(block, each) * problem.runs.grid.density
-
-
-def cosine(problem: Problem, best: Fit, other: Fit) -> float:
-    """Return how alike two models' corrections are: of what each removes beyond the shared part."""
-    weights = problem.weights()
-    a = best.noise.whiten(best.residual) * weights
-    b = best.noise.whiten(other.residual) * weights
-    return float(1.0 - np.linalg.norm(a - b) / (np.linalg.norm(a) + np.linalg.norm(b) + 1e-300))
 
 
 def as_good(found: list[Comparison], sigmas: float) -> list[Comparison]:

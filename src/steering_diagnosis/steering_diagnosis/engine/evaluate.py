@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
@@ -16,6 +17,9 @@ from steering_diagnosis.engine.sampling import Sampling
 
 CHUNK = 4
 """Calls per task: the replay travels with each task."""
+
+KEPT_SHAKEN = 8
+"""Models whose answer to the inputs' noise is kept: those that are compared with each other."""
 
 LARGEST = 1e50
 """Residual [SI] from which a model diverges: sums of its squares in any unit are still numbers."""
@@ -79,7 +83,7 @@ class Evaluator:
         self._executor = executor
         self._on_call = on_call
         self._last: dict[tuple[object, ...], Answer] = {}
-        self._shaken: dict[tuple[object, ...], np.ndarray] = {}
+        self._shaken: OrderedDict[tuple[object, ...], np.ndarray] = OrderedDict()
 
     @cached_property
     def base(self) -> np.ndarray:
@@ -109,6 +113,9 @@ class Evaluator:
             except OF_A_REPLAY as error:
                 raise CandidateError(reason(error)) from None
             self._shaken[call.key] = np.nan_to_num(self.grid.reduce(changed))
+        self._shaken.move_to_end(call.key)
+        while len(self._shaken) > KEPT_SHAKEN:
+            self._shaken.popitem(last=False)
         return self._shaken[call.key]
 
     @cached_property

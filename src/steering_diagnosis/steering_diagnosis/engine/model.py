@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -141,12 +141,3 @@ class Undecidable:
 
     hypothesis: str
     why: str
-
-
-@dataclass(frozen=True)
-class BoundModel:
-    """A replay with what a report must say of it before any inference."""
-
-    replay: Replay
-    undecidable: tuple[Undecidable, ...] = ()
-    notes: tuple[str, ...] = field(default=())

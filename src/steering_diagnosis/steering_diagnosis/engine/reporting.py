@@ -16,6 +16,9 @@ from steering_diagnosis.report import (
     Unexplained,
 )
 
+AT_THE_NOISE = 1.1
+"""Error over noise up to which both look the same in a table of three digits' use."""
+
 
 def to_report(
     findings: Findings,
@@ -65,7 +68,25 @@ def sentence(findings: Findings) -> str:
         return f"The model errs in {left}, and no hypothesis explains it."
     if findings.verdict == "insufficient_excitation":
         return "The record excites nothing that a hypothesis could be judged by."
-    return "Clean: the nominal model within its tolerances explains the record down to the noise."
+    return (
+        f"Clean: the nominal model within its tolerances explains the record {_down_to(findings)}."
+    )
+
+
+def _down_to(findings: Findings) -> str:
+    """Return how far a clean record is explained, by the signal that is furthest from its noise."""
+    ratios = {
+        output.name: error.refitted / error.noise
+        for output in findings.outputs
+        if (error := findings.fitted[output.name]).noise > 0.0
+    }
+    worst = max(ratios, key=lambda name: ratios[name], default="")
+    if not worst or ratios[worst] < AT_THE_NOISE:
+        return "down to the noise"
+    return (
+        f"but for {ratios[worst]:.2g} times the noise in {worst}, in which nothing stands out that "
+        "could be judged"
+    )
 
 
 def _named(cause: NamedCause) -> str:

@@ -73,8 +73,6 @@ class Settings:
     """The held-out gain has to exceed so many of its standard errors."""
     rival_sigmas: float = 2.0
     """A rival whose likelihood is within so many standard errors of the best is as good."""
-    collinear: float = 0.95
-    """Rivals are one group from this cosine of their projected sensitivities."""
     form_uncertainty: float = 0.045
     """Relative standard deviation of a parameter because the truth follows another formula."""
     least_unexplained: float = 0.2

@@ -11,6 +11,13 @@ from steering_diagnosis.pages.figures import balance_figure, proof, signal_figur
 from steering_diagnosis.pages.shown import percent, words
 from steering_diagnosis.report import Diagnosis, Report
 
+SCORE = (
+    "Score: by how much the squared error, in units of its noise, falls with the rival, alone or "
+    "beside what is named (twice the logarithm of the likelihoods' ratio). A high score is no "
+    "proof: a rival may imitate the cause."
+)
+"""What the last column of the rivals' table means."""
+
 GOOD = {"clean": True, "named": True}
 """Verdicts that colour the head of the page green; the others leave it neutral, and
 so does a record in which something is suspected."""
@@ -46,6 +53,8 @@ def diagnosis_page(diagnosis: Diagnosis) -> Page:
     _signals(page, diagnosis, shown)
     if report.nuisance:
         page.heading("The nominal model")
+        if warned := tables.at_their_end(report):
+            page.add(paragraph(f"Refitted {warned}.", "note"))
         page.add(tables.nuisance_table(report))
     if report.notes:
         page.heading("The data")
@@ -120,7 +129,7 @@ def _where(page: Page, diagnosis: Diagnosis) -> None:
 
 def _rivals(page: Page, report: Report) -> None:
     if report.rivals:
-        page.heading("Rivals", "Everything else in the catalogue, and why it is not the cause.")
+        page.heading("Rivals", f"Everything else in the catalogue, and why it is not. {SCORE}")
         page.add(tables.rivals_table(report))
     if report.undecidable:
         page.heading("Not decidable from this record")

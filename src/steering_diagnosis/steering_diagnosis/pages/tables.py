@@ -82,18 +82,38 @@ def undecidable_table(report: Report) -> str:
     return table(("Effect", "Why it cannot be decided"), rows, left_columns=2)
 
 
-def nuisance_table(report: Report) -> str:
-    """Nominal parameters after the refit, by how much of their tolerance they used."""
-    used = {
+AT_ITS_END = 0.99
+"""Share of a tolerance beyond which the fit would have gone on."""
+
+
+def tolerance_used(report: Report) -> dict[str, float]:
+    """Return the share of its tolerance that each nominal parameter was moved by, signed."""
+    return {
         name: (entry.refitted - entry.nominal) / entry.tolerance if entry.tolerance else 0.0
         for name, entry in report.nuisance.items()
     }
+
+
+def at_their_end(report: Report) -> str:
+    """Return a sentence on parameters that the refit took to the end of their tolerance, or ''."""
+    names = [name for name, share in tolerance_used(report).items() if abs(share) > AT_ITS_END]
+    if not names:
+        return ""
+    return (
+        f"at the end of their tolerance: {', '.join(names)}; the record may want more than the "
+        "data sheet allows, or tell little of them"
+    )
+
+
+def nuisance_table(report: Report) -> str:
+    """Nominal parameters after the refit, by how much of their tolerance they used."""
+    used = tolerance_used(report)
     rows = [
         (
             name,
             f"{report.nuisance[name].nominal:.4g}",
             f"{report.nuisance[name].refitted:.4g}",
-            f"{share:+.2f}",
+            f"{share:+.2f}" + (" (at its end)" if abs(share) > AT_ITS_END else ""),
         )
         for name, share in sorted(used.items(), key=lambda item: -abs(item[1]))
     ]

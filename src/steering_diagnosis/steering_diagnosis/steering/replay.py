@@ -13,7 +13,7 @@ import numpy as np
 from steering_core.errors import BenchError
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.engine.failures import NUMERICAL, reason
-from steering_diagnosis.engine.model import BoundModel, Effects, Hypothesis, Undecidable
+from steering_diagnosis.engine.model import Effects, Hypothesis, Undecidable
 from steering_diagnosis.steering import ripple, suspects
 from steering_diagnosis.steering.drive import RUN_UP, Drive
 from steering_diagnosis.steering.full_model import full_model
@@ -227,12 +227,6 @@ def gaps(drive: Drive) -> list[slice]:
     missing = np.any([np.isnan(record[name]) for name in driving], axis=0)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], missing.astype(np.int8), [0]])))
     return [slice(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a > BRIDGED]
-
-
-def bind(record: Record) -> BoundModel:
-    """Return the replay of a record with what the report must say of it."""
-    replay = SteeringReplay(record)
-    return BoundModel(replay, replay.undecidable, record.notes)
 
 
 _REPLAYS: OrderedDict[str, SteeringReplay] = OrderedDict()

@@ -6,6 +6,8 @@ import argparse
 import os
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """examples:
   steer design-valve
   steer design-valve --seed 7 --method complex
@@ -25,7 +27,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Search, compare the fronts with the data sheet's valve, write the page."""
-    import json
 
     from pressure_control.valve_design.front import complex_front, distance_to, nsga_front
     from pressure_control.valve_design.problem import DesignProblem
@@ -73,5 +74,5 @@ def execute(options: argparse.Namespace) -> int:
             }
             for front in fronts
         }
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
     return 0

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """examples:
   steer identify results/rig_test-1
   steer identify rig/boost_curve rig/stiffness --out mine --name my_gear
@@ -24,7 +26,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Identify, write the set and the page, print the estimates."""
-    import json
     from dataclasses import asdict
 
     from steering_bringup.checks import free_folder
@@ -51,5 +52,5 @@ def execute(options: argparse.Namespace) -> int:
     print(f"page: {page}")
     if options.json:
         numbers = {name: asdict(estimate) for name, estimate in found.estimates.items()}
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
     return 0

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """examples:
   steer linear open-centre steering
   steer linear latency --set valve_controller.damping=1.0
@@ -27,7 +29,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Make the studies, print their tables, write the page."""
-    import json
 
     from steering_bringup.checks import free_folder
     from steering_bringup.errors import BenchError
@@ -62,7 +63,7 @@ def execute(options: argparse.Namespace) -> int:
     folder = options.out or free_folder(Path("results"), "linear")
     print(f"page: {page.write(folder / 'linear.html')}")
     if options.json:
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
         print(f"numbers: {options.json}")
     return 0
 

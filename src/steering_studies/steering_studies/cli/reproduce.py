@@ -6,6 +6,8 @@ import argparse
 import os
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """examples:
   steer reproduce
   steer reproduce rig.boost_curve valve.step_responses
@@ -24,7 +26,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Make the rows, write the page, print a line a figure."""
-    import json
 
     from steering_bringup.checks import free_folder
     from steering_bringup.progress import Steps
@@ -62,5 +63,5 @@ def execute(options: argparse.Namespace) -> int:
             }
             for row in rows
         ]  # fmt: skip
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
     return 0

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """examples:
   steer rig-test                              every test, without ROS
   steer rig-test rack_friction stiffness --set mechanics.rack_friction=80
@@ -29,7 +31,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Run and record the tests, then tell where they are."""
-    import json
 
     from steering_bringup.checks import free_folder
     from steering_bringup.summary import lines
@@ -54,7 +55,7 @@ def execute(options: argparse.Namespace) -> int:
     )
     if options.json:
         report = {"runs": [outcome.as_json() for outcome in outcomes]}
-        options.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, report)
     failed = [outcome for outcome in outcomes if not outcome.ok]
     print(f"bags: {folder}  (steer identify {folder})")
     return 1 if failed else 0

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """examples:
   steer study                     lists the questions
   steer study energy
@@ -22,7 +24,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Answer the questions, each on a page of its own."""
-    import json
 
     from steering_bringup.checks import free_folder
     from steering_bringup.errors import BenchError
@@ -46,5 +47,5 @@ def execute(options: argparse.Namespace) -> int:
         print(f"{name}: {answer.sentence}\npage: {page}")
         numbers[name] = answer.numbers
     if options.json:
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
     return 0

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.outputs import write_json
+
 EXAMPLES = """examples:
   steer validate results/rig_test-1/system
   steer validate rig/system --parameter-set mine/my_gear.yaml --boost-curve mine/boost_curve.csv"""
@@ -24,7 +26,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Simulate, compare, write the page, print the figures of merit."""
-    import json
     from dataclasses import asdict
 
     from steering_bringup.bags import read_bag
@@ -38,7 +39,12 @@ def execute(options: argparse.Namespace) -> int:
 
     parameters = load_parameters(options.parameter_set).with_values(parameters_of(options.set))
     curve = None if options.boost_curve is None else read_boost_curve(str(options.boost_curve))
-    made = validate(from_bag(read_bag(options.bag)), parameters, options.valve_system, curve)
+    made = validate(
+        from_bag(read_bag(options.bag, repair_damage=False)),
+        parameters,
+        options.valve_system,
+        curve,
+    )
     folder = options.out or free_folder(Path("results"), "validation")
     page = validation_page(made, options.bag.name).write(folder / "validation.html")
     for name, found in made.merits.items():
@@ -46,5 +52,5 @@ def execute(options: argparse.Namespace) -> int:
     print(f"page: {page}")
     if options.json:
         numbers = {name: asdict(found) for name, found in made.merits.items()}
-        options.json.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+        write_json(options.json, numbers)
     return 0

@@ -17,8 +17,6 @@ from steering_studies.linear.bode import TORQUES, Family, family
 SMALL_SPEED = 1e-7
 """Half width [m/s] of slopes by speed: inside the underlap, as small signals are."""
 
-SERVO_TORQUES = (0.0, 1.0, 2.0, 3.0, 4.0)
-
 
 def data_sheet_manner(parameters: ParameterSet, **changes: object) -> Manner:
     """Return the controller as the parameters have it, sampled, with ``changes`` of Manner."""

@@ -7,8 +7,9 @@ on a real specimen.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from concurrent.futures import Executor, ProcessPoolExecutor
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,7 @@ from steering_studies.linear.bode import margins
 from steering_studies.linear.chattering import growth
 from steering_studies.linear.steering_study import small_signal_point
 from steering_studies.linear.systems import drive, ripple
+from steering_studies.parallel import pool
 
 FIGURES = (
     "restrictor_ratio",
@@ -93,17 +95,34 @@ def monte_carlo(
     """
     drawn = specimens(parameters, count, seed)
     if executor is None:
-        with ProcessPoolExecutor() as pool:
-            return monte_carlo(parameters, count, seed, executor=pool, on_progress=on_progress)
-    waiting = [executor.submit(figures_of, parameters, specimen) for specimen in drawn]
-    rows = []
-    for done, future in enumerate(waiting, start=1):
-        rows.append(future.result())
-        if on_progress is not None:
-            on_progress(done)
+        with pool(os.cpu_count() or 1) as made:
+            rows = _told(_rows(parameters, drawn, made), on_progress)
+    else:
+        rows = _told(_rows(parameters, drawn, executor), on_progress)
     names = tuple(drawn[0])
     values = np.array([[specimen[name] for name in names] for specimen in drawn])
     return Spread(names, values, np.array(rows), np.array(figures_of(parameters, {})))
+
+
+def _rows(
+    parameters: ParameterSet, drawn: Sequence[Mapping[str, float]], executor: Executor | None
+) -> Iterable[list[float]]:
+    """Yield the figures of each specimen; without an executor in this process."""
+    if executor is None:
+        return (figures_of(parameters, specimen) for specimen in drawn)
+    waiting = [executor.submit(figures_of, parameters, specimen) for specimen in drawn]
+    return (future.result() for future in waiting)
+
+
+def _told(
+    rows: Iterable[list[float]], on_progress: Callable[[int], None] | None
+) -> list[list[float]]:
+    found = []
+    for row in rows:
+        found.append(row)
+        if on_progress is not None:
+            on_progress(len(found))
+    return found
 
 
 def figures_of(parameters: ParameterSet, specimen: Mapping[str, float]) -> list[float]:

@@ -43,4 +43,17 @@ def read_foreign(path: Path, mapping: Mapping) -> dict[str, Raw]:
     for name, channel in mapping.channels.items():
         if channel.time and reader is not read_matlab:
             raise BenchError(f"'{path}': {name}: only channels of MATLAB files have a 'time'")
-    return reader(path, mapping)
+    found = reader(path, mapping)
+    _check_own(path, mapping)
+    return found
+
+
+def _check_own(path: Path, mapping: Mapping) -> None:
+    """Raise BenchError where two channels are one place in the file; each name was found once."""
+    owners: dict[tuple[object, ...], str] = {}
+    for name, channel in mapping.channels.items():
+        owner = owners.setdefault(channel.place, name)
+        if owner != name:
+            raise BenchError(
+                f"'{path}': {name}: '{channel.source}' is {owner} already: each channel has its own"
+            )

@@ -68,10 +68,15 @@ def _opened(path: Path) -> Any:
     try:
         return MDF(path)
     except Exception as error:
-        problem = _line(error)
+        # What the library says of its own buffers is no help.
+        problem = "" if "mmap" in str(error) or "buffer" in str(error) else f" ({_line(error)})"
     # What the library left half made is to be deleted now, while it is kept quiet.
     gc.collect(1)
-    raise BenchError(f"'{path}' cannot be read as MDF: {problem}")
+    size = path.stat().st_size
+    raise BenchError(
+        f"'{path}' cannot be read as MDF: it is cut off or damaged ({size} bytes): copy it again "
+        f"from the logger{problem}"
+    )
 
 
 def _cut_off(path: Path) -> tuple[str, ...]:

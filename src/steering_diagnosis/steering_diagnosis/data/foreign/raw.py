@@ -13,8 +13,9 @@ class Raw:
 
     time: (n,) in the file's own unit, None where it has none. time_unit: that unit, "" where the
     file does not say. lines: (n,) line of each value in a text file. lost: why values are NaN, a
-    few words. about: what is to be said of the whole file, sentences. notes: what was lost or taken
-    for granted in this channel, sentences without its name.
+    few words. about: what is to be said of the whole file, sentences. read_as: how the file was
+    read, a few words. notes: what was lost or taken for granted in this channel, sentences without
+    its name.
     """
 
     values: np.ndarray
@@ -24,4 +25,5 @@ class Raw:
     lines: np.ndarray | None = None
     lost: str = ""
     about: tuple[str, ...] = ()
+    read_as: str = ""
     notes: tuple[str, ...] = ()

@@ -51,8 +51,8 @@ MOST_CONTROL = 0.002
 """Share of control characters that no table has."""
 
 
-def read_texts(path: Path, encoding: str | None) -> Iterator[str]:
-    """Yield the file's text, with line ends ``\\n``, by each encoding, the most probable first.
+def read_texts(path: Path, encoding: str | None) -> Iterator[tuple[str, str]]:
+    """Yield encoding and text, line ends ``\n``, by each encoding, the most probable first.
 
     One only where ``encoding`` or the bytes themselves decide. BenchError: no text, or bytes that
     the given encoding does not have.
@@ -69,7 +69,7 @@ def read_texts(path: Path, encoding: str | None) -> Iterator[str]:
         if not _is_text(text):
             continue
         any_text = True
-        yield text
+        yield name, text
     if not any_text:
         hint = f" in the encoding {encoding}" if encoding else ""
         raise BenchError(f"'{path}' holds no text{hint}: it is no CSV file")

@@ -40,11 +40,13 @@ class Numbers:
     """A column read: texts (n,) that ``float`` takes, '' for none; values (n,) float64.
 
     foreign: rows whose cells are texts that stand neither for a number nor for a missing one.
+    decimal: the decimal sign, "" where no cell has any.
     """
 
     texts: list[str]
     values: np.ndarray
     foreign: list[int]
+    decimal: str = ""
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,9 @@ def _plain_column(cells: Sequence[str], decimal: str | None) -> tuple[str, Numbe
     if not PLAIN.issuperset(joined.replace(",", ".")):
         return "", None
     try:
-        return sign, Numbers(texts, np.fromiter(map(float, texts), np.float64, len(texts)), [])
+        return sign, Numbers(
+            texts, np.fromiter(map(float, texts), np.float64, len(texts)), [], sign
+        )
     except ValueError:
         return "", None
 
@@ -227,7 +231,9 @@ def _one_by_one(
         else:
             texts.append("")
             foreign.append(row)
-    return Numbers(texts, np.array([float(t) if t else np.nan for t in texts]), foreign)
+    values = np.array([float(t) if t else np.nan for t in texts])
+    used = spelling.decimal if any(spelling.decimal in cell for cell in cells) else ""
+    return Numbers(texts, values, foreign, used)
 
 
 def _without(read: Numbers, missing: Iterable[str | float]) -> Numbers:

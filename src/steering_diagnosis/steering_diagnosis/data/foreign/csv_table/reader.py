@@ -17,6 +17,7 @@ from steering_diagnosis.data.foreign.csv_table.layout import (
     explain_missing,
     find_layout,
     row_of,
+    shown,
 )
 from steering_diagnosis.data.foreign.csv_table.names import places, plain, split_unit
 from steering_diagnosis.data.foreign.csv_table.numbers import OTHER, Numbers, read_columns
@@ -34,8 +35,9 @@ Asked = tuple[str, int | None]
 
 @dataclass(frozen=True, repr=False)
 class Table:
-    """A table found: its lines, its layout, and the column (from 0) of each one asked for."""
+    """A table found: encoding, lines, layout, and the column (from 0) of each one asked for."""
 
+    encoding: str
     lines: Sequence[str]
     layout: Layout
     columns: dict[Asked, int]
@@ -60,11 +62,11 @@ def _table(path: Path, mapping: Mapping) -> Table:
         asked.append((mapping.time, mapping.time_column))
     wanted = list(dict.fromkeys(name for name, _ in asked))
     first: list[str] = []
-    for text in read_texts(path, mapping.encoding):
+    for encoding, text in read_texts(path, mapping.encoding):
         lines = text.split("\n")
         first = first or lines
         if layout := find_layout(lines, wanted, mapping):
-            return Table(lines, layout, {each: _column(each, layout) for each in asked})
+            return Table(encoding, lines, layout, {each: _column(each, layout) for each in asked})
     raise BenchError(explain_missing(first, wanted, mapping))
 
 
@@ -97,9 +99,18 @@ def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
     if clock is not None and time is None:
         time_unit = units[clock] if is_unit(units[clock], "s") else ""
         time = _counted(read[clock], rows, layout.names[clock], time_unit, mapping)
-    result = {}
+    way = _way(table, rows, read, units, mapping)
+    result: dict[str, Raw] = {}
+    owners: dict[int, str] = {}
     for name, channel in mapping.channels.items():
         column = table.columns[channel.source, channel.column]
+        if column == clock:
+            raise BenchError(f"line {layout.header}: {name}: '{channel.source}' is the time")
+        if owners.setdefault(column, name) != name:
+            raise BenchError(
+                f"line {layout.header}: {name}: '{channel.source}' is {owners[column]} already: "
+                "each channel has its own"
+            )
         if column not in read:
             raise BenchError(f"line {layout.header}: '{channel.source}' holds dates, no numbers")
         lost = _lost(cells[column], read[column], rows)
@@ -114,8 +125,29 @@ def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
             lines=rows.lines,
             lost=lost,
             about=rows.notes,
+            read_as=way,
         )
     return result
+
+
+def _way(
+    table: Table, rows: Rows, read: dict[int, Numbers], units: dict[int, str], mapping: Mapping
+) -> str:
+    """Return how the table was read, in a few words: what the user may want to put right."""
+    layout = table.layout
+    signs = {".": "point", ",": "comma"}
+    decimals = sorted({signs[each.decimal] for each in read.values() if each.decimal})
+    behind = any(split_unit(layout.names[column])[1] for column in units)
+    below = f"in line {mapping.units_line}" if mapping.units_line else "below the header"
+    said = f"units {'behind the names' if behind else below}" if any(units.values()) else "no units"
+    lost = sum(int(np.count_nonzero(np.isnan(each.values))) for each in read.values())
+    time = f"time '{mapping.time}'" if mapping.time else f"{mapping.rate} Hz"
+    return (
+        f"{table.encoding}, separator {shown(layout.separator)}, decimal sign "
+        f"{' and '.join(decimals) or 'none'}, header in line {layout.header}, {said}, "
+        f"{time}, {len(rows.lines)} rows in lines {rows.lines[0]} to {rows.lines[-1]}, "
+        f"{lost} cells without a number"
+    )
 
 
 def _numbers(

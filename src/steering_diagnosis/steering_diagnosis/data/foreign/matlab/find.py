@@ -104,9 +104,8 @@ class Vectors:
 
     def _unknown(self, name: str) -> str:
         asked = _plain(name)
-        shown = [
-            _shown(address, leaf) for address, leaf in self._found.items() if leaf.array is not None
-        ]
+        vectors = {address: leaf for address, leaf in self._found.items() if leaf.array is not None}
+        shown = list(dict.fromkeys(_shown(address, leaf) for address, leaf in vectors.items()))
         inside = [text for text in shown if text.startswith(tuple(f"'{asked}{c}" for c in ".({"))]
         if inside:
             return f"'{name}' is no vector: in it are {_several(inside)}"
@@ -148,7 +147,8 @@ def _same(label: str, name: str) -> bool:
 
 def _shown(address: str, leaf: Leaf) -> str:
     name = f"'{address if leaf.is_vector else _columns(address, leaf.array)}'"
-    return f"{name} ({leaf.about.label})" if leaf.about.label else name
+    label = leaf.about.label
+    return f"{name} ({label})" if label and label not in (address, name.strip("'")) else name
 
 
 def _columns(address: str, array: np.ndarray | None) -> str:
