@@ -73,9 +73,9 @@ def bare(path: Path, link: str, seconds: float) -> dict[str, Any]:
         session = Session(rig, columns, lambda: open_link(link, rig, path.parent, settings))
         hurry(["rig_bridge"])
         session.open()
-        ticks, until = 0, time.monotonic() + seconds + 30.0
-        while ticks < seconds * 1000 and time.monotonic() < until:
-            ticks += len(session.receive())
+        ticks, wanted, until = 0, round(seconds * 1000), time.monotonic() + seconds + 30.0
+        while ticks < wanted and time.monotonic() < until:
+            ticks += len(session.receive(wanted - ticks))
             session.answer(ticks, rest, 0, None)
             if session.failure:
                 raise BenchError(session.failure)

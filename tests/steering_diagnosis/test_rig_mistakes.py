@@ -105,6 +105,16 @@ def test_few_digits_are_no_clipping(step, rate, noise, seed):
         assert not clipping(np.round((60.0 + values) / q) * q).any()
 
 
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=20, deadline=None)
+def test_the_noise_of_a_wheel_that_is_held_is_no_jump(seed):
+    draw = np.random.default_rng(seed)
+    still = record()
+    noise = {n: 2e-4 * draw.standard_normal(len(still)) for n in (ANGLE, POSITION)}
+    held = replace(still, channels={**still.channels, **noise})
+    assert not any("jumps" in text for text in texts(suspicions(held)))
+
+
 def test_where_a_channel_rests_is_no_clipping():
     """A supply of three digits stands at what it is regulated to, and dips when oil is drawn."""
     supply = np.full(6000, 200.0)

@@ -25,7 +25,11 @@ class Stop:
             signal.signal(number, self._ask)
 
     def ignore(self) -> None:
-        """Pass over what still comes: the end is near, and another signal must not spoil it."""
+        """Pass over what still comes: the end is near, and another signal must not spoil it.
+
+        Blocked first: Python complains of one that comes while its handler is taken away.
+        """
+        signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
         for number in ENDING:
             signal.signal(number, signal.SIG_IGN)
 

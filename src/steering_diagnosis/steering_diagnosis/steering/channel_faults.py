@@ -33,9 +33,10 @@ STUCK_LONG = 0.2
 
 ENCODERS = ("steering_wheel_angle", "rack_position")
 """Channels that cannot jump."""
-JUMP, LEAP = 20.0, 0.2
+JUMP, LEAP, NOISE = 20.0, 0.2, 6.0
 """Step of a jump over all but half a per cent of the other steps, clean records reach 3; or over
-what the channel moves at all, of which a motion of 5 Hz makes 0.016 in a tick."""
+what the channel moves at all, of which a motion of 5 Hz makes 0.016 in a tick, but twice what clean
+records reach: a wheel that is held moves no more than its noise."""
 TOGETHER, EVEN = 25, 0.1
 """Ticks that a jump may take between samples of a slow logger; how alike jumps of one wrap are."""
 TURNS = {2.0 * np.pi: "a turn", np.pi: "half a turn"}
@@ -237,7 +238,7 @@ def _jumps(values: np.ndarray) -> np.ndarray:
     step = np.diff(values)
     usual = float(np.quantile(np.abs(step), 0.995))
     impossible = LEAP * float(np.ptp(values))
-    least = min(JUMP * usual, impossible) if usual > 0.0 else impossible
+    least = min(JUMP * usual, max(NOISE * usual, impossible)) if usual > 0.0 else impossible
     at = np.flatnonzero(np.abs(step) > least)
     at = np.setdiff1d(at, [last for _, last in _held(values)])
     if not len(at):
