@@ -1,0 +1,152 @@
+"""The noise of each output: what neither the model, nor any cause, nor any smooth function takes.
+
+Estimated once for all models that are compared. The residual is regressed on the columns of the
+parameters and of all causes (free), on smooth functions of the states and on slow functions of
+time (ridge; the scales that make it most likely, "type II"). The states' part is taken off. What is
+left, drift included, gives the variance and the time over which it is correlated; drift is noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from balance_diagnosis.evidence import Noise, Spikes, derivatives
+from balance_diagnosis.features import slow_functions, smooth_functions
+from balance_diagnosis.problem import Problem
+from balance_diagnosis.rows import Series
+
+SCALES = np.r_[0.0, 10.0 ** np.arange(-2.0, 3.0, 0.5)]
+"""Of the functions' share over the noise's, as they are tried."""
+
+LEAST_SHARE = 1e-4
+"""Of the error's deviation that the noise has at least: two solvers differ by as much."""
+
+LEAST_FACTS = 10.0
+
+
+class Scenery:
+    """Smooth functions of the states at the rows, about one model. One array for each series."""
+
+    def __init__(self, problem: Problem, names: Sequence[str], x: np.ndarray) -> None:
+        count = round(problem.constants.features)
+        self.smooth: list[np.ndarray] = []
+        self.slow: list[np.ndarray] = []
+        for number, record in enumerate(problem.records):
+            made = problem.predicted(number, problem.values(names, x, number))
+            inputs = {k: v for k, v in record.channels.items() if k not in made.outputs}
+            functions = smooth_functions({**inputs, **made.states, **made.outputs}, count)
+            drift = slow_functions(len(record))
+            for s in (s for s in problem.rows if s.record == number):
+                self.smooth.append(_reduced(s, functions))
+                self.slow.append(_reduced(s, drift))
+
+
+def _reduced(s: Series, functions: np.ndarray) -> np.ndarray:
+    return np.stack([s.means(f) for f in functions.T], axis=1) if functions.size else np.zeros(
+        (len(s), 0)
+    )
+
+
+def estimate(
+    problem: Problem,
+    scenery: Scenery,
+    names: Sequence[str],
+    x: np.ndarray,
+    secants: Sequence[np.ndarray],
+    left: np.ndarray | None = None,
+) -> Noise:
+    """Return the noise about a model.
+
+    secants: what causes outside of it change, (rows,) each. left: what the best model leaves,
+    (rows,): it cannot hold more facts than it has independent samples.
+    """
+    residual = problem.residual(names, x)
+    assert residual is not None
+    own = derivatives(problem, names, x, residual)
+    columns = np.concatenate([own, np.stack(secants, axis=1)], axis=1) if secants else own
+    outputs = len(problem.outputs)
+    sd, samples = np.empty(problem.count), np.zeros(outputs)
+    able = np.zeros(outputs)
+    for i, (s, span) in enumerate(zip(problem.rows, problem.spans, strict=True)):
+        rest, variance = _separate(
+            residual[span], columns[span], scenery.smooth[i], scenery.slow[i]
+        )
+        length = correlation_length(*s.spread_out(rest))
+        told = problem.records[s.record].noise.get(s.output, 0.0) / np.sqrt(s.step)
+        least = max(told, LEAST_SHARE * float(residual[span].std()), 1e-300)
+        sd[span] = max(np.sqrt(variance * length), least)
+        j = problem.outputs.index(s.output)
+        samples[j] += len(s) / length
+        if left is not None:
+            able[j] += len(s) / correlation_length(*s.spread_out(left[span]))
+    facts = np.full(outputs, problem.constants.facts / outputs)
+    if left is not None:
+        facts = np.maximum(np.minimum(facts, able), min(LEAST_FACTS, facts[0]))
+    return Noise(sd, samples, facts)
+
+
+def _separate(
+    residual: np.ndarray, columns: np.ndarray, smooth: np.ndarray, slow: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Return what neither columns nor smooth functions explain, (rows,), and its variance."""
+    basis = _basis(columns, len(residual))
+    freedom = len(residual) - basis.shape[1]
+
+    def beside(values: np.ndarray) -> np.ndarray:
+        return values - basis @ (basis.T @ values)
+
+    rest = beside(residual)
+    functions = beside(np.concatenate([smooth, slow], axis=1))
+    gram, product, energy = functions.T @ functions, functions.T @ rest, float(rest @ rest)
+    best: tuple[float, np.ndarray, float] | None = None
+    for a in SCALES:
+        for b in SCALES:
+            scale = np.r_[np.full(smooth.shape[1], a), np.full(slow.shape[1], b)] + 1e-9
+            lower = np.linalg.cholesky(np.eye(len(scale)) + scale[:, None] * gram * scale)
+            y = np.linalg.solve(lower, scale * product)
+            unexplained = max(energy - float(y @ y), 1e-300)
+            value = -0.5 * freedom * np.log(unexplained) - np.log(np.diag(lower)).sum()
+            if best is None or value > best[0]:
+                best = (value, scale * np.linalg.solve(lower.T, y), unexplained)
+    assert best is not None
+    kept = rest - functions[:, : smooth.shape[1]] @ best[1][: smooth.shape[1]]
+    return kept, max(float(kept @ kept), best[2]) / max(freedom, 1)
+
+
+def _basis(columns: np.ndarray, rows: int) -> np.ndarray:
+    """Return an orthonormal basis of the columns, of at most a third of the rows."""
+    norms = np.linalg.norm(columns, axis=0)
+    kept = columns[:, norms > 1e-12 * norms.max(initial=1e-300)]
+    if not kept.shape[1]:
+        return np.zeros((rows, 0))
+    u, values, _ = np.linalg.svd(kept / np.linalg.norm(kept, axis=0), full_matrices=False)
+    return u[:, values > 1e-6 * values[0]][:, : max(rows // 3, 1)]
+
+
+def correlation_length(grid: np.ndarray, known: np.ndarray) -> float:
+    """Return the samples that count as one: 1 + 2 sum of correlations.
+
+    grid, known: values and ones on a regular grid, zero where there is none. The sum goes on while
+    pairs of neighbours are positive (Geyer 1992).
+    """
+    size = 2 * len(grid)
+    cov = np.fft.irfft(np.abs(np.fft.rfft(grid, size)) ** 2)[: len(grid)]
+    count = np.fft.irfft(np.abs(np.fft.rfft(known, size)) ** 2)[: len(grid)]
+    mean = cov / np.maximum(count, 1.0)
+    if not mean[0] > 0.0:
+        return 1.0
+    rho, length = mean / mean[0], 1.0
+    for lag in range(1, len(rho) // 4, 2):
+        pair = rho[lag] + rho[lag + 1]
+        if pair <= 0.0:
+            break
+        length += 2.0 * pair
+    return float(length)
+
+
+def spikes(problem: Problem, secants: dict[str, np.ndarray]) -> Spikes:
+    """Return what each cause does at a tenth of its typical size, from its typical secant."""
+    share = problem.constants.spike
+    return Spikes({name: share * column for name, column in secants.items() if share > 0.0})
