@@ -59,6 +59,9 @@ def estimate(
 ) -> Noise:
     """Return the noise about a model.
 
+    An output has one level over all records, in energy a sample: what the model leaves has one size
+    as well, and a quiet record is no better judge of its form than a loud one.
+
     secants: what causes outside of it change, (rows,) each. left: what the best model leaves,
     (rows,): it cannot hold more facts than it has independent samples.
     """
@@ -67,20 +70,21 @@ def estimate(
     own = derivatives(problem, names, x, residual)
     columns = np.concatenate([own, np.stack(secants, axis=1)], axis=1) if secants else own
     outputs = len(problem.outputs)
-    sd, samples = np.empty(problem.count), np.zeros(outputs)
-    able = np.zeros(outputs)
+    samples, level, able = np.zeros(outputs), np.zeros(outputs), np.zeros(outputs)
     for i, (s, span) in enumerate(zip(problem.rows, problem.spans, strict=True)):
         rest, variance = _separate(
             residual[span], columns[span], scenery.smooth[i], scenery.slow[i]
         )
         length = correlation_length(*s.spread_out(rest))
         told = problem.records[s.record].noise.get(s.output, 0.0) / np.sqrt(s.step)
-        least = max(told, LEAST_SHARE * float(residual[span].std()), 1e-300)
-        sd[span] = max(np.sqrt(variance * length), least)
-        j = problem.outputs.index(s.output)
-        samples[j] += len(s) / length
+        least = max(told, LEAST_SHARE * float(residual[span].std()), 1e-150)
+        j, n = problem.outputs.index(s.output), len(s) / length
+        samples[j] += n
+        level[j] += n * s.step * max(variance * length, least**2)
         if left is not None:
             able[j] += len(s) / correlation_length(*s.spread_out(left[span]))
+    step = np.concatenate([np.full(len(s), s.step) for s in problem.rows])
+    sd = np.sqrt((level / samples)[problem.output_of] / step)
     facts = np.full(outputs, problem.constants.facts / outputs)
     if left is not None:
         facts = np.maximum(np.minimum(facts, able), min(LEAST_FACTS, facts[0]))
@@ -100,19 +104,23 @@ def _separate(
     rest = beside(residual)
     functions = beside(np.concatenate([smooth, slow], axis=1))
     gram, product, energy = functions.T @ functions, functions.T @ rest, float(rest @ rest)
-    best: tuple[float, np.ndarray, float] | None = None
-    for a in SCALES:
-        for b in SCALES:
-            scale = np.r_[np.full(smooth.shape[1], a), np.full(slow.shape[1], b)] + 1e-9
-            lower = np.linalg.cholesky(np.eye(len(scale)) + scale[:, None] * gram * scale)
-            y = np.linalg.solve(lower, scale * product)
-            unexplained = max(energy - float(y @ y), 1e-300)
-            value = -0.5 * freedom * np.log(unexplained) - np.log(np.diag(lower)).sum()
-            if best is None or value > best[0]:
-                best = (value, scale * np.linalg.solve(lower.T, y), unexplained)
-    assert best is not None
-    kept = rest - functions[:, : smooth.shape[1]] @ best[1][: smooth.shape[1]]
-    return kept, max(float(kept @ kept), best[2]) / max(freedom, 1)
+
+    def likelihood(a: float, b: float) -> tuple[float, np.ndarray, float]:
+        """Return the log likelihood of two scales, the functions' weights, and what is left."""
+        scale = np.r_[np.full(smooth.shape[1], a), np.full(slow.shape[1], b)] + 1e-9
+        lower = np.linalg.cholesky(np.eye(len(scale)) + scale[:, None] * gram * scale)
+        y = np.linalg.solve(lower, scale * product)
+        unexplained = max(energy - float(y @ y), 1e-300)
+        value = -0.5 * freedom * np.log(unexplained) - np.log(np.diag(lower)).sum()
+        return float(value), scale * np.linalg.solve(lower.T, y), unexplained
+
+    a = b = 0.0
+    for _ in range(2):
+        a = max(SCALES, key=lambda tried: likelihood(tried, b)[0])
+        b = max(SCALES, key=lambda tried: likelihood(a, tried)[0])
+    _, weights, unexplained = likelihood(a, b)
+    kept = rest - functions[:, : smooth.shape[1]] @ weights[: smooth.shape[1]]
+    return kept, max(float(kept @ kept), unexplained) / max(freedom, 1)
 
 
 def _basis(columns: np.ndarray, rows: int) -> np.ndarray:

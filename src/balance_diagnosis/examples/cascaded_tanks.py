@@ -35,7 +35,7 @@ MODEL = Model(
         "k3": between(0.005, 0.5),
         "pump": between(0.005, 0.5),
     },
-    starts={"upper": between(0.0, 15.0), "lower": between(0.0, 15.0)},
+    starts={"upper": between(0.0, 80.0), "lower": between(0.0, 15.0)},
     causes={
         "overflow into the lower tank": {"brim": (FULL, 2.0, FULL), "share": (0.5, 0.0, 1.5)},
         "overflow is lost": {"lost_brim": (FULL, 2.0, FULL)},
