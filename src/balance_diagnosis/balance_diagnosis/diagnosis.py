@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from balance_diagnosis.constants import DEFAULT, Constants
-from balance_diagnosis.evidence import Criterion, Fit, Noise, Spikes, derivatives, limits
+from balance_diagnosis.evidence import Criterion, Fit, Noise, limits
 from balance_diagnosis.held_out import Gain, gains
 from balance_diagnosis.inputs import check_records, check_response
 from balance_diagnosis.intervals import Estimate, estimates
@@ -26,7 +26,6 @@ from balance_diagnosis.verdicts import Verdict, decide
 if TYPE_CHECKING:
     from balance_diagnosis.calibration import Rates
 
-CAP = False
 ROUNDS = 3
 """Of noise about the best set, and search in that noise; two, or the best set stays the same."""
 
@@ -91,7 +90,7 @@ def diagnose(
     problem.reduce((), x)
     problem.learn(x)
     search, best, scenery = _searched(problem, x)
-    plain = Criterion(problem, search.criterion.noise, Spikes({})).fit((), [best.x[: len(x)], x])
+    plain = Criterion(problem, search.criterion.noise, np.zeros((problem.count, 0))).fit((), [best.x[: len(x)], x])
     assert plain is not None
     verdict = decide(search, best, plain, scenery)
     noise = {
@@ -127,7 +126,7 @@ def nominal_fit(problem: Problem) -> np.ndarray:
     )
     outputs = len(problem.outputs)
     facts = np.full(outputs, problem.constants.facts / outputs)
-    criterion = Criterion(problem, Noise(scale, np.zeros(outputs), facts), Spikes({}))
+    criterion = Criterion(problem, Noise(scale, np.zeros(outputs), facts), np.zeros((problem.count, 0)))
     low, high = limits(problem, ())
     draw = np.random.default_rng(0)
     wide = np.isfinite(low) & (high - low < 4.0 + 1e-9)
@@ -143,13 +142,12 @@ def _searched(problem: Problem, x: np.ndarray) -> tuple[Search, Fit, Scenery]:
     """Return the search in the last noise, its best set, and the functions for the check."""
     names: tuple[str, ...] = ()
     place, nominal = x, x
-    left: np.ndarray | None = None
     for _ in range(ROUNDS):
         scenery = Scenery(problem, names, place)
         about = _bare(problem, names, place)
         others = [cause for cause in problem.model.causes if cause not in names]
         tried = trials(problem, about, others)
-        noise = estimate(problem, scenery, names, place, [t.change for t in tried], left)
+        noise = estimate(problem, scenery, names, place, [t.change for t in tried])
         typical = {
             t.cause: t.change for t in tried if t.numbers == problem.probed[t.cause].start
         }
@@ -163,7 +161,6 @@ def _searched(problem: Problem, x: np.ndarray) -> tuple[Search, Fit, Scenery]:
         best = search.climb(current)
         again = set(best.names) != set(names)
         names, place = best.names, best.x
-        left = problem.residual(names, place) if CAP else None
         if not again:
             break
     search.around(best)
@@ -182,6 +179,3 @@ def _typical_change(problem: Problem, about: Fit, name: str) -> np.ndarray:
     lean = _bare(problem, tuple(n for n in about.names if n != name), about.x[kept])
     (made,) = trials(problem, lean, [name], typical=True) or (None,)
     return np.zeros(problem.count) if made is None else made.change
-
-
-__all__ = ["Diagnosis", "derivatives", "diagnose", "nominal_fit"]

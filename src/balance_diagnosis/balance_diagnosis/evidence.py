@@ -6,8 +6,8 @@ unknown directions of one common variance, so that
     log p(r | theta) = - sum_j K_j / 2 log(1 + D_j / K_j),    D_j = max(0, |r_j / sd|^2 - n_j)
 
 that is -D/2 where D is far below K, and K/2 times the log of the energy where it is far above,
-however long the record. All coordinates are standard normal. Causes outside the set are there all
-the same, small and linear ("spikes"). The integral over the coordinates is Laplace's, one-sided
+however long the record. All coordinates are standard normal. All causes are there all the same,
+small and linear ("spikes"), those of the set as well: a formula is never quite right. The integral over the coordinates is Laplace's, one-sided
 where one of them stands at its bound.
 """
 
@@ -43,18 +43,6 @@ class Noise:
     sd: np.ndarray
     samples: np.ndarray
     facts: np.ndarray
-
-
-@dataclass(frozen=True, repr=False)
-class Spikes:
-    """What the causes change at a tenth of their typical size, (rows,) each."""
-
-    columns: dict[str, np.ndarray]
-
-    def without(self, names: Sequence[str]) -> np.ndarray | None:
-        """Return the columns of all other causes, (rows, k); None where there are none."""
-        kept = [column for name, column in self.columns.items() if name not in names]
-        return np.stack(kept, axis=1) if kept else None
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,9 +88,12 @@ class _Place:
 
 
 class Criterion:
-    """Fits and judges models of one problem in one noise."""
+    """Fits and judges models of one problem in one noise.
 
-    def __init__(self, problem: Problem, noise: Noise, spikes: Spikes) -> None:
+    spikes: (rows, causes), what each cause changes at its least size, or (rows, 0).
+    """
+
+    def __init__(self, problem: Problem, noise: Noise, spikes: np.ndarray) -> None:
         self.problem, self.noise, self.spikes = problem, noise, spikes
         count = len(problem.model.causes)
         self.prior = min(problem.constants.expected / count, 0.25)
@@ -137,7 +128,7 @@ class Criterion:
     # --- the most probable numbers, by bounded Gauss-Newton steps
 
     def _begin(self, names: tuple[str, ...], start: np.ndarray) -> _Place | None:
-        extra = self.spikes.without(names)
+        extra = self.spikes if self.spikes.size else None
         low, high = limits(self.problem, names)
         if extra is not None:
             low = np.r_[low, np.full(extra.shape[1], -np.inf)]

@@ -2,8 +2,8 @@
 
 Estimated once for all models that are compared. The residual is regressed on the columns of the
 parameters and of all causes (free), on smooth functions of the states and on slow functions of
-time (ridge; the scales that make it most likely, "type II"). The states' part is taken off. What is
-left, drift included, gives the variance and the time over which it is correlated; drift is noise.
+time (ridge; the scales that make it most likely, "type II"). What is left gives the variance and
+the time over which it is correlated. A drift is not in it: it is error that no cause explains.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from balance_diagnosis.evidence import Noise, Spikes, derivatives
+from balance_diagnosis.evidence import Noise, derivatives
 from balance_diagnosis.features import slow_functions, smooth_functions
 from balance_diagnosis.problem import Problem
 from balance_diagnosis.rows import Series
@@ -22,8 +22,6 @@ SCALES = np.r_[0.0, 10.0 ** np.arange(-2.0, 3.0, 0.5)]
 
 LEAST_SHARE = 1e-4
 """Of the error's deviation that the noise has at least: two solvers differ by as much."""
-
-LEAST_FACTS = 10.0
 
 
 class Scenery:
@@ -55,22 +53,20 @@ def estimate(
     names: Sequence[str],
     x: np.ndarray,
     secants: Sequence[np.ndarray],
-    left: np.ndarray | None = None,
 ) -> Noise:
     """Return the noise about a model.
 
     An output has one level over all records, in energy a sample: what the model leaves has one size
     as well, and a quiet record is no better judge of its form than a loud one.
 
-    secants: what causes outside of it change, (rows,) each. left: what the best model leaves,
-    (rows,): it cannot hold more facts than it has independent samples.
+    secants: what causes outside of it change, (rows,) each.
     """
     residual = problem.residual(names, x)
     assert residual is not None
     own = derivatives(problem, names, x, residual)
     columns = np.concatenate([own, np.stack(secants, axis=1)], axis=1) if secants else own
     outputs = len(problem.outputs)
-    samples, level, able = np.zeros(outputs), np.zeros(outputs), np.zeros(outputs)
+    samples, level = np.zeros(outputs), np.zeros(outputs)
     for i, (s, span) in enumerate(zip(problem.rows, problem.spans, strict=True)):
         rest, variance = _separate(
             residual[span], columns[span], scenery.smooth[i], scenery.slow[i]
@@ -81,20 +77,16 @@ def estimate(
         j, n = problem.outputs.index(s.output), len(s) / length
         samples[j] += n
         level[j] += n * s.step * max(variance * length, least**2)
-        if left is not None:
-            able[j] += len(s) / correlation_length(*s.spread_out(left[span]))
     step = np.concatenate([np.full(len(s), s.step) for s in problem.rows])
     sd = np.sqrt((level / samples)[problem.output_of] / step)
     facts = np.full(outputs, problem.constants.facts / outputs)
-    if left is not None:
-        facts = np.maximum(np.minimum(facts, able), min(LEAST_FACTS, facts[0]))
     return Noise(sd, samples, facts)
 
 
 def _separate(
     residual: np.ndarray, columns: np.ndarray, smooth: np.ndarray, slow: np.ndarray
 ) -> tuple[np.ndarray, float]:
-    """Return what neither columns nor smooth functions explain, (rows,), and its variance."""
+    """Return what no column and no function explains, (rows,), and its variance."""
     basis = _basis(columns, len(residual))
     freedom = len(residual) - basis.shape[1]
 
@@ -119,8 +111,7 @@ def _separate(
         a = max(SCALES, key=lambda tried: likelihood(tried, b)[0])
         b = max(SCALES, key=lambda tried: likelihood(a, tried)[0])
     _, weights, unexplained = likelihood(a, b)
-    kept = rest - functions[:, : smooth.shape[1]] @ weights[: smooth.shape[1]]
-    return kept, max(float(kept @ kept), unexplained) / max(freedom, 1)
+    return rest - functions @ weights, unexplained / max(freedom, 1)
 
 
 def _basis(columns: np.ndarray, rows: int) -> np.ndarray:
@@ -154,7 +145,9 @@ def correlation_length(grid: np.ndarray, known: np.ndarray) -> float:
     return float(length)
 
 
-def spikes(problem: Problem, secants: dict[str, np.ndarray]) -> Spikes:
-    """Return what each cause does at a tenth of its typical size, from its typical secant."""
+def spikes(problem: Problem, secants: dict[str, np.ndarray]) -> np.ndarray:
+    """Return what each cause does at its least size, from its typical secant, (rows, k)."""
     share = problem.constants.spike
-    return Spikes({name: share * column for name, column in secants.items() if share > 0.0})
+    if not secants or not share > 0.0:
+        return np.zeros((problem.count, 0))
+    return share * np.stack(list(secants.values()), axis=1)
