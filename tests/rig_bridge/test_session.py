@@ -45,6 +45,13 @@ class Run:
         self.session.answer(max(len(self.ticks) - 1, 0), values, age, late)
         self.rig.step(self.rig_end.receive_demands(1.0))
 
+    def pile(self, periods):
+        """Let the rig go on while nobody looks: its frames come together then."""
+        self.session.open_bridge.reset_report()
+        for _ in range(periods):
+            self.rig_end.send_frame(self.rig.measure())
+            self.rig.step([])
+
     def started(self, ticks=20):
         while len(self.ticks) < ticks:
             self.tick()
@@ -90,10 +97,7 @@ def test_a_lost_frame_is_a_tick_with_the_values_before_it(run):
 
 def test_frames_that_come_together_have_a_latency_each(run):
     run.started(20)
-    run.session.open_bridge.reset_report()
-    for _ in range(3):
-        run.rig_end.send_frame(run.rig.measure())
-        run.rig.step([])
+    run.pile(3)
     run.now_ns += 3 * PERIOD_NS
     assert len(run.session.receive(MOST)) == 3
     for ahead in (2, 1, 0):
@@ -107,10 +111,7 @@ def test_frames_that_come_together_have_a_latency_each(run):
 def test_what_comes_after_the_last_tick_is_no_tick(run):
     """A machine that was held up has several periods at once, and the run may end among them."""
     run.started(20)
-    run.session.open_bridge.reset_report()
-    for _ in range(3):
-        run.rig_end.send_frame(run.rig.measure())
-        run.rig.step([])
+    run.pile(3)
     assert len(run.session.receive(2)) == 2
     for ahead in (1, 0):
         run.session.answer(21 - ahead, VALUES, 0, None, ahead)

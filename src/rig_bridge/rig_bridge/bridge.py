@@ -28,7 +28,8 @@ class Bridge:
 
     ``latency``: from a measurement's arrival to its command on the wire; ``since_measured``: from
     the measurement itself by the rig's clock, less the shortest way. A measurement that is
-    answered with an old command (``held``) counts until a newer one is on the wire.
+    answered with an old command (``held``) counts until a newer one is on the wire. ``periods``:
+    measured values, SI, of each period of the rig that began since the last ``receive``.
     clock: this machine's clock in ns; given by tests.
     """
 
@@ -40,6 +41,7 @@ class Bridge:
         self.latency = Latency()
         self.since_measured = Latency()
         self.offset = ClockOffset()
+        self.periods: list[tuple[float, ...]] = []
         self.open_ticks: list[tuple[int, int]] = []
         self.held = 0
         self.sequence = 0
@@ -49,7 +51,7 @@ class Bridge:
         """Wait for the rig's next measurements; return those that may be used, SI, by name.
 
         Comes back without new ones after ``timeout_s``, so that a silent rig is noticed.
-        most: how many periods are answered; latencies of others are not counted.
+        most: how many of the ``periods`` count; what comes after them is nobody's.
         """
         frames = self.link.receive_frames(timeout_s)
         self.arrived_ns = self.clock()
@@ -57,16 +59,12 @@ class Bridge:
         measured = self.guard.measure(
             frames, self.arrived_ns, link_up=link.up, problem=link.problem, unheard=link.unheard
         )
+        self.periods = self.guard.measurements.periods[:most]
         if self.guard.measurements.fresh:
             rig_ns = self.guard.measurements.clock.rig_ns
             waited = 0 if rig_ns is None else self.offset.see(rig_ns, self.arrived_ns)
-            self.open_ticks += [(self.arrived_ns, waited)] * min(len(self.periods), most)
+            self.open_ticks += [(self.arrived_ns, waited)] * len(self.periods)
         return measured
-
-    @property
-    def periods(self) -> list[tuple[float, ...]]:
-        """Measured values, SI, of each period of the rig that began since the last ``receive``."""
-        return self.guard.measurements.periods
 
     def answer(
         self,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from steering_bringup.errors import BenchError
+from steering_bringup.outputs import check_folder
 from steering_bringup.plans import Plan, valve_loop_delay
 from steering_bringup.scenario_files import restore
 from steering_bringup.schema import NodeSet, Scenario
@@ -85,11 +85,7 @@ def check_place(bag: Path) -> None:
     """Refuse a bag's folder that exists already or cannot be made."""
     if bag.exists():
         raise BenchError(f"'{bag}' exists already: name another folder, or remove it")
-    above = next(folder for folder in bag.absolute().parents if folder.exists())
-    if not above.is_dir():
-        raise BenchError(f"'{bag}' cannot be made: '{above}' is a file")
-    if not os.access(above, os.W_OK | os.X_OK):
-        raise BenchError(f"no permission to write into '{above}': name another folder with --out")
+    check_folder(bag)
 
 
 def free_folder(root: Path, name: str) -> Path:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from steering_lockstep.kinds import location
+from steering_lockstep.kinds import programs
 from steering_lockstep.zygote import Zygote
 
 USUAL = ("plant", "valve_controller", "driver", "vehicle", "recorder")
@@ -14,8 +12,3 @@ USUAL = ("plant", "valve_controller", "driver", "vehicle", "recorder")
 def forerunner() -> Zygote:
     """Start a zygote that imports, in the background, what most graphs need."""
     return Zygote(["steering_bringup.cores", *programs(USUAL)])
-
-
-def programs(kinds: Iterable[str]) -> list[str]:
-    """Return the modules of kinds of nodes."""
-    return sorted({location(kind).split(":")[0] for kind in kinds})

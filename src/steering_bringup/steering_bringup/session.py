@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 from steering_bringup.checks import check_physics, check_place, physics_of
 from steering_bringup.errors import BenchError
-from steering_bringup.forerunner import forerunner, programs
+from steering_bringup.forerunner import forerunner
 from steering_bringup.interrupts import nothing_to_lose
 from steering_bringup.outcome import Outcome
 from steering_bringup.plans import Plan
+from steering_lockstep.kinds import programs
 
 if TYPE_CHECKING:
     from steering_bringup.bags import Trace
@@ -41,10 +42,11 @@ def run_all(
             zygote.load(programs(_kinds(graphs)))
         with nothing_to_lose():
             for plan in plans:
-                if zygote is not None and plan in graphs:
-                    zygote.call(CHECK_PHYSICS, physics_of(plan))
+                physics = physics_of(plan)
+                if zygote is None or physics.direct:
+                    check_physics(physics)
                 else:
-                    check_physics(physics_of(plan))
+                    zygote.call(CHECK_PHYSICS, physics)
             if graphs:
                 # Here, where Ctrl-C cannot be lost; it takes long enough.
                 import steering_lockstep.processes  # noqa: F401

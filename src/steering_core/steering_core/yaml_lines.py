@@ -63,19 +63,40 @@ class Document:
         return found
 
 
+class _Loader(yaml.SafeLoader):
+    """Names what looks like a date or a number and is none, as 2024-13-99, with its line."""
+
+    def __init__(self, text: str, document: Document) -> None:
+        super().__init__(text)
+        self.document = document
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (ValueError, KeyError, AttributeError):
+            if not isinstance(node, yaml.ScalarNode):
+                raise
+            kind = node.tag.rpartition(":")[2]
+            raise BenchError(
+                f"{_line(node, self.document)}: '{node.value[:LONGEST]}' looks like a value of the "
+                f"type {kind} and is none: put it in quotes if it is a text"
+            ) from None
+
+
 def read_yaml(path: Path) -> Document:
     """Read one YAML file; BenchError names file and line if it cannot be read.
 
     Refused are anchors that hold themselves, and aliases that stand for too much.
     """
     text = _text(path)
+    document = Document(str(path), None)
     try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
-        document = Document(str(path), None)
+        loader = _Loader(text, document)
+        root = loader.get_single_node()
         if root is None:
             return document
         _collect(root, (), document, ())
-        return replace(document, data=yaml.safe_load(text))
+        return replace(document, data=loader.construct_document(root))
     except yaml.YAMLError as error:
         raise BenchError(_told(path, text, error)) from None
     except RecursionError:
@@ -136,22 +157,6 @@ def _collect(
     elif isinstance(node, yaml.SequenceNode):
         for index, item in enumerate(node.value):
             _collect(item, (*place, index), document, around)
-    else:
-        _check_scalar(node, document)
-
-
-def _check_scalar(node: yaml.Node, document: Document) -> None:
-    """Raise BenchError for what looks like a date or a number and is none: 2024-13-99."""
-    try:
-        yaml.constructor.SafeConstructor().construct_object(node)
-    except yaml.YAMLError:
-        raise
-    except (ValueError, KeyError, AttributeError):
-        kind = node.tag.rpartition(":")[2]
-        raise BenchError(
-            f"{_line(node, document)}: '{node.value[:LONGEST]}' looks like a value of the type "
-            f"{kind} and is none: put it in quotes if it is a text"
-        ) from None
 
 
 def _line(node: yaml.Node, document: Document) -> str:

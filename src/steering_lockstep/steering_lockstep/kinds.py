@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
+from pkgutil import resolve_name
 from typing import Any
 
 FACTORIES = {
@@ -33,5 +33,10 @@ def location(kind: str) -> str:
 
 def factory(kind: str) -> Callable[..., Any]:
     """Return the function ``make(context, spec, run, parameters)`` of ``kind``."""
-    module, function = location(kind).split(":")
-    return getattr(importlib.import_module(module), function)
+    made: Callable[..., Any] = resolve_name(location(kind))
+    return made
+
+
+def programs(kinds: Iterable[str]) -> list[str]:
+    """Return the modules of kinds of nodes, each once."""
+    return sorted({location(kind).split(":")[0] for kind in kinds})

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from steering_lockstep.domain import DomainError, claim_domain
 from steering_lockstep.graph import Graph
-from steering_lockstep.kinds import location
+from steering_lockstep.kinds import programs
 from steering_lockstep.middleware import ros_environment
 from steering_lockstep.outcome import Progress, RunError, RunResult
 from steering_lockstep.settings import RunSettings
@@ -100,7 +100,7 @@ def preload(graph: Graph) -> Zygote:
 
     Hand it to several runs, or make it early, to save about a second each.
     """
-    return Zygote(sorted({location(node.kind).split(":")[0] for node in graph.nodes}))
+    return Zygote(programs(node.kind for node in graph.nodes))
 
 
 def placement(

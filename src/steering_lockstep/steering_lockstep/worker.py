@@ -14,6 +14,7 @@ import signal
 import threading
 from dataclasses import replace
 from multiprocessing.connection import Connection
+from pkgutil import resolve_name
 from time import monotonic, process_time
 from typing import Any
 
@@ -107,10 +108,7 @@ def _executor(job: Job, context: Context) -> Any:
     """Return the executor named by "module:function", for comparisons; None is our own."""
     if job.executor is None:
         return None
-    import importlib
-
-    module, name = job.executor.split(":")
-    return getattr(importlib.import_module(module), name)(context=context)
+    return resolve_name(job.executor)(context=context)
 
 
 def _run(link: Link, spinner: Spinner, job: Job) -> None:

@@ -19,8 +19,9 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from multiprocessing.connection import Connection, Pipe
+from pkgutil import resolve_name
 from typing import Any
 
 from steering_core.errors import BenchError
@@ -62,7 +63,7 @@ class Zygote:
     def call(self, function: str, argument: Any) -> Any:
         """Return what "module:function"(argument) gives there, or raise what it raises.
 
-        Before anything is forked: a Ctrl-C ends the zygote meanwhile.
+        While nothing that was forked is left: a Ctrl-C ends the zygote meanwhile.
         """
         try:
             _send(self._socket, ("call", function, argument))
@@ -142,7 +143,7 @@ def _answer(function: str, argument: Any) -> tuple[Any, Exception | None]:
     _end_with_owner(True)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     try:
-        return _function(function)(argument), None
+        return resolve_name(function)(argument), None
     except Exception as error:
         return None, error if _travels(error) else RuntimeError(f"{type(error).__name__}: {error}")
     finally:
@@ -174,7 +175,7 @@ def _fork(owner: socket.socket, function: str, argument: Any) -> int:
     code = 1
     try:
         owner.close()
-        _function(function)(Connection(descriptors[0]), argument)
+        resolve_name(function)(Connection(descriptors[0]), argument)
         code = 0
     except BaseException:
         sys.excepthook(*sys.exc_info())
@@ -183,12 +184,6 @@ def _fork(owner: socket.socket, function: str, argument: Any) -> int:
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(code)
-
-
-def _function(place: str) -> Callable[..., Any]:
-    module, name = place.split(":")
-    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
-    return function
 
 
 def _wait(pid: int) -> int:

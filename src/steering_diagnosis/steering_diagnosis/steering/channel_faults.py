@@ -11,7 +11,16 @@ from steering_diagnosis.data.channels import MEASURED
 from steering_diagnosis.data.record import PERIOD_S, Record
 from steering_diagnosis.data.units import FACTORS
 from steering_diagnosis.steering.mistakes import ATMOSPHERE
-from steering_diagnosis.steering.relations import CHAMBERS, RELATIONS, STEP, Signals, link
+from steering_diagnosis.steering.relations import (
+    ANGLE,
+    CHAMBERS,
+    POSITION,
+    RELATIONS,
+    STEP,
+    TORQUE,
+    Signals,
+    link,
+)
 from steering_diagnosis.steering.smoothing import bridged
 
 CONSTANT_IS_FINE = ("supply_pressure",)
@@ -31,7 +40,7 @@ STUCK_JUMP = 10.0
 STUCK_LONG = 0.2
 """Share of a record from which a stuck channel is left out whole."""
 
-ENCODERS = ("steering_wheel_angle", "rack_position")
+ENCODERS = (ANGLE, POSITION)
 """Channels that cannot jump."""
 JUMP, LEAP, NOISE = 20.0, 0.2, 6.0
 """Step of a jump over all but half a per cent of the other steps, clean records reach 3; or over
@@ -76,9 +85,7 @@ def _shown(record: Record, name: str, value: float) -> str:
 def dead(record: Record) -> list[Suspicion]:
     """Find channels that do not move at all in a record where the wheel or the rack does."""
     alive = [n for n in MEASURED if n in record and _moves(record[n])]
-    moving = [
-        n for n in ("steering_wheel_angle", "rack_position", "torsion_bar_torque") if n in alive
-    ]
+    moving = [n for n in (ANGLE, POSITION, TORQUE) if n in alive]
     fine = [
         n
         for n in CONSTANT_IS_FINE

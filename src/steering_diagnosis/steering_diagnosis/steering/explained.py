@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from steering_core.parameters import ParameterSet
-from steering_diagnosis.data.channels import MEASURED
 from steering_diagnosis.data.record import Record
 from steering_diagnosis.steering.mistakes import Mistake, mistakes
 from steering_diagnosis.steering.relations import (
@@ -169,8 +168,3 @@ def _lag(found: Link, s: Signals, nominal: ParameterSet) -> float:
     alike, k = max(shifts, key=lambda f: (round(f[0], 3), -abs(f[1])), default=(0.0, 0))
     clear = abs(k) * STEP_S >= LEAST_SHIFT_S and _better(abs(found.correlation), alike)
     return k * STEP_S if clear else 0.0
-
-
-def suspected(found: list[Explained]) -> set[str]:
-    """Return the measured channels that are suspected."""
-    return {c for e in found for c in e.mistake.suspected if c in MEASURED}

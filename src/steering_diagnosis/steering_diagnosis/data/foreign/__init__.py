@@ -10,7 +10,7 @@ from steering_core.naming import unknown
 from steering_diagnosis.data.foreign.csv_table import read_csv
 from steering_diagnosis.data.foreign.matlab import read_matlab
 from steering_diagnosis.data.foreign.mdf_file import read_mdf
-from steering_diagnosis.data.foreign.raw import Raw
+from steering_diagnosis.data.foreign.raw import Raw, check_own
 from steering_diagnosis.data.mapping import Mapping
 
 __all__ = ["READERS", "TABLES", "Raw", "read_foreign"]
@@ -44,16 +44,5 @@ def read_foreign(path: Path, mapping: Mapping) -> dict[str, Raw]:
         if channel.time and reader is not read_matlab:
             raise BenchError(f"'{path}': {name}: only channels of MATLAB files have a 'time'")
     found = reader(path, mapping)
-    _check_own(path, mapping)
+    check_own(((n, c.source, c.place) for n, c in mapping.channels.items()), f"'{path}'")
     return found
-
-
-def _check_own(path: Path, mapping: Mapping) -> None:
-    """Raise BenchError where two channels are one place in the file; each name was found once."""
-    owners: dict[tuple[object, ...], str] = {}
-    for name, channel in mapping.channels.items():
-        owner = owners.setdefault(channel.place, name)
-        if owner != name:
-            raise BenchError(
-                f"'{path}': {name}: '{channel.source}' is {owner} already: each channel has its own"
-            )

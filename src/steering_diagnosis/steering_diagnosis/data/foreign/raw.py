@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
+
+from steering_core.errors import BenchError
 
 
 @dataclass(frozen=True, repr=False)
@@ -27,3 +30,17 @@ class Raw:
     about: tuple[str, ...] = ()
     read_as: str = ""
     notes: tuple[str, ...] = ()
+
+
+def check_own(places: Iterable[tuple[str, str, Hashable]], where: str) -> None:
+    """Raise BenchError where two channels are one place in the file.
+
+    places: of each channel its name, what the mapping calls it in the file, and its place there.
+    """
+    owners: dict[Hashable, str] = {}
+    for name, source, place in places:
+        owner = owners.setdefault(place, name)
+        if owner != name:
+            raise BenchError(
+                f"{where}: {name}: '{source}' is {owner} already: each channel has its own"
+            )

@@ -52,7 +52,7 @@ MOST_CONTROL = 0.002
 
 
 def read_texts(path: Path, encoding: str | None) -> Iterator[tuple[str, str]]:
-    """Yield encoding and text, line ends ``\n``, by each encoding, the most probable first.
+    """Yield encoding and text, line ends ``\\n``, by each encoding, the most probable first.
 
     One only where ``encoding`` or the bytes themselves decide. BenchError: no text, or bytes that
     the given encoding does not have.

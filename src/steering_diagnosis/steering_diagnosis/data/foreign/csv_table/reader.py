@@ -22,7 +22,7 @@ from steering_diagnosis.data.foreign.csv_table.layout import (
 from steering_diagnosis.data.foreign.csv_table.names import places, plain, split_unit
 from steering_diagnosis.data.foreign.csv_table.numbers import OTHER, Numbers, read_columns
 from steering_diagnosis.data.foreign.csv_table.rows import LOST_SHARE, Rows, read_rows
-from steering_diagnosis.data.foreign.raw import Raw
+from steering_diagnosis.data.foreign.raw import Raw, check_own
 from steering_diagnosis.data.mapping import Mapping
 from steering_diagnosis.data.units import factor, is_unit
 
@@ -100,17 +100,15 @@ def _channels(table: Table, mapping: Mapping) -> dict[str, Raw]:
         time_unit = units[clock] if is_unit(units[clock], "s") else ""
         time = _counted(read[clock], rows, layout.names[clock], time_unit, mapping)
     way = _way(table, rows, read, units, mapping)
+    check_own(
+        ((n, c.source, table.columns[c.source, c.column]) for n, c in mapping.channels.items()),
+        f"line {layout.header}",
+    )
     result: dict[str, Raw] = {}
-    owners: dict[int, str] = {}
     for name, channel in mapping.channels.items():
         column = table.columns[channel.source, channel.column]
         if column == clock:
             raise BenchError(f"line {layout.header}: {name}: '{channel.source}' is the time")
-        if owners.setdefault(column, name) != name:
-            raise BenchError(
-                f"line {layout.header}: {name}: '{channel.source}' is {owners[column]} already: "
-                "each channel has its own"
-            )
         if column not in read:
             raise BenchError(f"line {layout.header}: '{channel.source}' holds dates, no numbers")
         lost = _lost(cells[column], read[column], rows)
