@@ -105,12 +105,13 @@ def test_few_digits_are_no_clipping(step, rate, noise, seed):
         assert not clipping(np.round((60.0 + values) / q) * q).any()
 
 
-@given(st.integers(0, 2**32 - 1))
-@settings(max_examples=20, deadline=None)
-def test_the_noise_of_a_wheel_that_is_held_is_no_jump(seed):
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 1e-4, 1e-3]))
+@settings(max_examples=30, deadline=None)
+def test_the_noise_of_a_wheel_that_is_held_is_no_jump(seed, step):
     draw = np.random.default_rng(seed)
     still = record()
     noise = {n: 2e-4 * draw.standard_normal(len(still)) for n in (ANGLE, POSITION)}
+    noise = {n: np.round(v / step) * step if step else v for n, v in noise.items()}
     held = replace(still, channels={**still.channels, **noise})
     assert not any("jumps" in text for text in texts(suspicions(held)))
 

@@ -42,10 +42,10 @@ STUCK_LONG = 0.2
 
 ENCODERS = (ANGLE, POSITION)
 """Channels that cannot jump."""
-JUMP, LEAP, NOISE = 20.0, 0.2, 6.0
+JUMP, LEAP, NOISE = 20.0, 0.2, 12.0
 """Step of a jump over all but half a per cent of the other steps, clean records reach 3; or over
-what the channel moves at all, of which a motion of 5 Hz makes 0.016 in a tick, but twice what clean
-records reach: a wheel that is held moves no more than its noise."""
+what the channel moves at all, of which a motion of 5 Hz makes 0.016 in a tick. Of a wheel that is
+held that is noise alone: over the median step or the resolution twice what white noise reaches."""
 TOGETHER, EVEN = 25, 0.1
 """Ticks that a jump may take between samples of a slow logger; how alike jumps of one wrap are."""
 TURNS = {2.0 * np.pi: "a turn", np.pi: "half a turn"}
@@ -243,10 +243,12 @@ def jumping(record: Record) -> list[Suspicion]:
 def _jumps(values: np.ndarray) -> np.ndarray:
     """Return the sizes of the jumps that stay, signed; a spike comes back and is none."""
     step = np.diff(values)
-    usual = float(np.quantile(np.abs(step), 0.995))
-    impossible = LEAP * float(np.ptp(values))
-    least = min(JUMP * usual, max(NOISE * usual, impossible)) if usual > 0.0 else impossible
-    at = np.flatnonzero(np.abs(step) > least)
+    size = np.abs(step)
+    usual = float(np.quantile(size, 0.995))
+    noise = max(float(np.median(size)), float(np.min(size, where=size > 0.0, initial=np.inf)))
+    impossible = max(LEAP * float(np.ptp(values)), NOISE * noise)
+    least = min(JUMP * usual, impossible) if usual > 0.0 else impossible
+    at = np.flatnonzero(size > least)
     at = np.setdiff1d(at, [last for _, last in _held(values)])
     if not len(at):
         return np.zeros(0)
