@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from steering_lockstep.graph import Graph, GraphError, NodeSpec, check_graph
+from steering_lockstep.names import Names
 from steering_lockstep.settings import RunSettings
 
 
@@ -28,6 +29,8 @@ def write_run(
         "ticks": run.ticks,
         "real_time": run.real_time,
         "rest": {name: list(values) for name, values in run.rest.items()},
+        "namespace": run.names.namespace,
+        "remaps": dict(run.names.remaps),
         "parameters": {name: dict(values) for name, values in parameters.items()},
     }
     _write(content, path)
@@ -44,7 +47,9 @@ def read_run(path: str | Path) -> tuple[RunSettings, dict[str, dict[str, Any]]]:
     graph = _graph(content, path)
     try:
         rest: dict[str, Sequence[float]] = dict(content["rest"])
-        settings = RunSettings(graph, int(content["ticks"]), rest, bool(content["real_time"]))
+        names = Names(content.get("namespace", ""), dict(content.get("remaps", {})))
+        ticks, real_time = int(content["ticks"]), bool(content["real_time"])
+        settings = RunSettings(graph, ticks, rest, real_time, names=names)
         parameters = {name: dict(values) for name, values in content["parameters"].items()}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise GraphError(f"no run in '{path}': {type(error).__name__}: {error}") from None

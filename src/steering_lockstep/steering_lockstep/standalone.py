@@ -27,6 +27,7 @@ from steering_lockstep.errors import LockstepError
 from steering_lockstep.graph import Graph, NodeSpec
 from steering_lockstep.graph_file import read_graph
 from steering_lockstep.middleware import ros_environment
+from steering_lockstep.names import relative
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.spinner import Spinner
@@ -137,8 +138,8 @@ class Others:
 
         self.missing = sorted({n.name for n in graph.nodes} - {node.spec.name})
         self._string = String
-        node.create_subscription(String, READY, self._note, ready_qos())
-        self._publisher = node.create_publisher(String, READY, ready_qos())
+        node.create_subscription(String, relative(READY), self._note, ready_qos())
+        self._publisher = node.create_publisher(String, relative(READY), ready_qos())
 
     def tell(self, names: Iterable[str]) -> None:
         """Say that the nodes called ``names`` are ready."""

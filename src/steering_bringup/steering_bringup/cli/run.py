@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from steering_bringup.cli.ros_options import add_domain, add_names, settle_domain
 from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
 from steering_bringup.outputs import write_json
@@ -30,9 +31,8 @@ EXAMPLES = """examples:
   steer run --delay '/valve/left/command->plant=1' --delay '/valve/right/command->plant=1' \\
             --set valve_controller.resonance=400"""
 
-
-LAST_DOMAIN = 232
-"""Beyond it the ports of DDS end."""
+OF_THE_GRAPH = ("real_time", "processes", "domain", "namespace", "remap", "wait_for")
+"""Options that mean nothing without ROS."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,7 +66,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
     add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
     add("--real-time", action="store_true", help="pace the ticks to the wall clock")
-    add("--domain", metavar="N", type=int, help="ROS_DOMAIN_ID, for nodes outside (default: free)")
+    add_domain(how)
+    add_names(how)
+    add(
+        "--wait-for",
+        metavar="TOPIC",
+        action="append",
+        default=[],
+        help="tick 0 comes when somebody outside listens to this topic; repeatable",
+    )
     add("--timeout", metavar="S", type=float, default=2.0, help="s without a tick (default: 2)")
     add(
         "--external",
@@ -75,7 +83,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="a node that is started elsewhere, with 'steer node'; repeatable",
     )
-    add("--wait", metavar="S", type=float, default=60.0, help="s for it to come up (default: 60)")
+    add(
+        "--wait",
+        metavar="S",
+        type=float,
+        default=60.0,
+        help="s for who is waited for (default: 60)",
+    )
     rig = parser.add_argument_group("a rig in the plant's place")
     add = rig.add_argument
     add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
@@ -111,7 +125,7 @@ def execute(options: argparse.Namespace) -> int:
             folder = _folder(options, scenario.name)
             plans = _plans(options, scenario, folder)
             _prepare_external(plans, folder)
-        outcomes = run_all(plans, _tell, zygote)
+        outcomes = run_all(plans, _tell, zygote, _announce)
     report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
     if len(outcomes) == 2 and all(outcome.ok and outcome.bag for outcome in outcomes):
         report["comparison"] = _compare(outcomes, folder / "comparison.html")
@@ -206,15 +220,15 @@ def _manner(options: argparse.Namespace) -> Manner:
 
     if not options.timeout > 0.0:
         raise BenchError(f"--timeout must be greater than 0 s, got {options.timeout:g}")
-    if options.direct and (options.real_time or options.processes or options.domain is not None):
-        raise BenchError(
-            "--direct runs in one loop as fast as it goes, without ROS: leave out --real-time, "
-            "--processes and --domain"
-        )
-    if options.domain is not None and not 0 <= options.domain <= LAST_DOMAIN:
-        raise BenchError(f"--domain must be from 0 to {LAST_DOMAIN}, got {options.domain}")
+    for name in OF_THE_GRAPH:
+        if options.direct and getattr(options, name):
+            raise BenchError(
+                "--direct runs in one loop as fast as it goes, without ROS: leave out "
+                f"--{name.replace('_', '-')}"
+            )
     runner: Any = "direct" if options.direct else "graph"
-    if options.external and (options.direct or options.domain is None):
+    domain = None if options.direct else settle_domain(options)
+    if options.external and (options.direct or domain is None):
         raise BenchError("--external needs the graph and --domain N, in which the node is found")
     if not options.wait > 0.0:
         raise BenchError(f"--wait must be greater than 0 s, got {options.wait:g}")
@@ -224,10 +238,13 @@ def _manner(options: argparse.Namespace) -> Manner:
         options.processes,
         options.real_time,
         options.timeout,
-        options.domain,
+        domain,
         external,
         options.wait,
         options.compress is not None,
+        options.namespace,
+        tuple(options.remap),
+        tuple(options.wait_for),
     )
 
 
@@ -245,6 +262,10 @@ def _prepare_external(plans: list[Plan], folder: Path) -> None:
         for name in plan.manner.external:
             print(f"start: ROS_DOMAIN_ID={plan.manner.domain} ./steer node {path} {name}")
         print(f"waiting for them for {plan.manner.wait:g} s", flush=True)
+
+
+def _announce(where: str) -> None:
+    print(where, flush=True)
 
 
 def _tell(outcome: Outcome) -> None:
