@@ -19,7 +19,7 @@ from steering_bringup.process_age import process_age
 from steering_bringup.progress import Bar
 from steering_lockstep.domain import DomainClaim, DomainError, asked_domain, claim_domain
 from steering_lockstep.graph_file import write_run
-from steering_lockstep.middleware import RANGE
+from steering_lockstep.middleware import RANGE, is_alone
 from steering_lockstep.settings import RunSettings
 
 if TYPE_CHECKING:
@@ -114,8 +114,8 @@ def _domain(plan: Plan) -> Iterator[DomainClaim]:
 
 def _where(plan: Plan, domain: int) -> str:
     """Return what runs and where it is seen, as one line."""
-    how_far = os.environ.get(RANGE, "LOCALHOST")
-    seen = "on this computer" if how_far == "LOCALHOST" else f"by others ({RANGE}={how_far})"
+    how_far = os.environ.get(RANGE, "a profile of one's own")
+    seen = "on this computer" if is_alone(os.environ) else f"beyond this computer ({how_far})"
     space = f", namespace {plan.names.namespace}" if plan.names.namespace else ""
     return (
         f"{plan.scenario.name} / {plan.node_set.name}: ROS_DOMAIN_ID={domain}{space}, seen {seen}"
