@@ -21,7 +21,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "driver_node = driver_model.driver_node:main",
+            "driver_node = steering_lockstep.executables:driver",
         ],
     },
 )

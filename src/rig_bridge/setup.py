@@ -21,7 +21,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "rig_bridge_node = rig_bridge.bridge_node:main",
+            "rig_bridge_node = steering_lockstep.executables:rig_bridge",
             "rig_emulator = rig_bridge.emulator.main:main",
         ],
     },

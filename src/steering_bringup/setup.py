@@ -21,9 +21,10 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
+            "recorder_node = steering_lockstep.executables:recorder",
+            "replay_node = steering_lockstep.executables:replay",
+            "lane_keeper_node = steering_lockstep.executables:lane_keeper",
             "steer = steering_bringup.cli:main",
-            "recorder_node = steering_bringup.recorder_node:main",
-            "replay_node = steering_bringup.replay_node:main",
         ],
     },
 )

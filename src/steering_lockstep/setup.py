@@ -19,4 +19,9 @@ setup(
     maintainer_email="maintainers@steering-bench.example",
     description="The 1 kHz lock-step contract over ROS 2: layouts, topics, node base class.",
     license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "lockstep_node = steering_lockstep.executables:any_kind",
+        ],
+    },
 )

@@ -21,7 +21,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "plant_node = steering_plant.plant_node:main",
+            "plant_node = steering_lockstep.executables:plant",
         ],
     },
 )

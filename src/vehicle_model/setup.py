@@ -21,7 +21,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "vehicle_node = vehicle_model.vehicle_node:main",
+            "vehicle_node = steering_lockstep.executables:vehicle",
         ],
     },
 )

@@ -23,7 +23,6 @@ from steering_lockstep.graph import NodeSpec
 from steering_lockstep.names import relative
 from steering_lockstep.ports import Ports
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import wire
 
 RESET = "/rig/reset"
@@ -80,8 +79,3 @@ def make(
 ) -> BridgeNode:
     """Return the bridge's node for a run."""
     return BridgeNode(context, spec, run, parameters)
-
-
-def main() -> None:
-    """Run the bridge alone in a process."""
-    spin_alone("rig_bridge", make)

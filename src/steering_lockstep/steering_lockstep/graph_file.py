@@ -28,6 +28,8 @@ def write_run(
         "nodes": _nodes(run.graph),
         "ticks": run.ticks,
         "real_time": run.real_time,
+        "urgent": run.urgent,
+        "wait_for": sorted(run.wait_for),
         "rest": {name: list(values) for name, values in run.rest.items()},
         "namespace": run.names.namespace,
         "remaps": dict(run.names.remaps),
@@ -41,16 +43,31 @@ def read_graph(path: str | Path) -> Graph:
     return _graph(_read(path), path)
 
 
-def read_run(path: str | Path) -> tuple[RunSettings, dict[str, dict[str, Any]]]:
-    """Return (settings, parameters by node) of what ``write_run`` wrote; raises ``GraphError``."""
+def read_run(
+    path: str | Path, ticks: int | None = None, real_time: bool = False
+) -> tuple[RunSettings, dict[str, dict[str, Any]]]:
+    """Return (settings, parameters by node) of a file; raises ``GraphError``.
+
+    ``ticks``: another length, which a file of ``write_graph`` lacks; ``real_time``: in any case.
+    """
     content = _read(path)
     graph = _graph(content, path)
+    if ticks is None and "ticks" not in content:
+        raise GraphError(f"'{path}' does not tell the length of the run: give --ticks")
     try:
-        rest: dict[str, Sequence[float]] = dict(content["rest"])
+        rest: dict[str, Sequence[float]] = dict(content.get("rest", {}))
         names = Names(content.get("namespace", ""), dict(content.get("remaps", {})))
-        ticks, real_time = int(content["ticks"]), bool(content["real_time"])
-        settings = RunSettings(graph, ticks, rest, real_time, names=names)
-        parameters = {name: dict(values) for name, values in content["parameters"].items()}
+        settings = RunSettings(
+            graph,
+            int(content["ticks"] if ticks is None else ticks),
+            rest,
+            real_time or bool(content.get("real_time", False)),
+            bool(content.get("urgent", False)),
+            names=names,
+            wait_for=frozenset(content.get("wait_for", ())),
+        )
+        given = content.get("parameters", {})
+        parameters = {name: dict(values) for name, values in given.items()}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise GraphError(f"no run in '{path}': {type(error).__name__}: {error}") from None
     return settings, parameters

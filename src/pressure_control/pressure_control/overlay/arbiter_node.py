@@ -21,7 +21,6 @@ from steering_lockstep.names import relative
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import APPLIED, OVERLAY, overlay_source
 
 MEASURED = (
@@ -106,8 +105,3 @@ def make(
 ) -> ArbiterNode:
     """Return the arbiter's node for a run."""
     return ArbiterNode(context, spec, run, parameters)
-
-
-def main() -> None:
-    """Run the arbiter alone in a process."""
-    spin_alone("overlay_arbiter", make)
