@@ -1,5 +1,7 @@
 """Installs the package `steering_bringup` under colcon (ament_python)."""
 
+from glob import glob
+
 from setuptools import find_packages, setup
 
 NAME = "steering_bringup"
@@ -12,6 +14,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
         ("share/" + NAME, ["package.xml"]),
+        ("share/" + NAME + "/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=["setuptools"],
     zip_safe=False,

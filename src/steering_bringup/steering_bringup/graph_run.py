@@ -124,14 +124,31 @@ def _where(plan: Plan, domain: int) -> str:
 
 def write_external(plan: Plan, path: Path) -> None:
     """Write all that the plan's external nodes must know; BenchError naming the path."""
+    parameters = {name: _parameters(plan, None)[name] for name in plan.manner.external}
+    _write_file(plan, parameters, path)
+
+
+def write_graph_file(plan: Plan, path: Path, connection: Connection | None = None) -> None:
+    """Write all that every node of the plan must know; BenchError naming the path.
+
+    ``connection``: to an emulated rig that the caller starts; a rig of its own has its file.
+    """
+    if plan.rig is not None and connection is None:
+        connection = plan.rig.own_connection()
+    domain = asked_domain(os.environ) or 0
+    _write_file(plan, _parameters(plan, connection, domain), path)
+
+
+def _write_file(plan: Plan, parameters: dict[str, dict[str, Any]], path: Path) -> None:
     run = RunSettings(
         plan.graph,
         plan.scenario.ticks,
         _rest(plan, None),
         plan.manner.real_time,
+        plan.rig is not None,
         names=plan.names,
+        wait_for=frozenset(plan.manner.wait_for),
     )
-    parameters = {name: _parameters(plan, None)[name] for name in plan.manner.external}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_run(run, parameters, path)

@@ -34,6 +34,11 @@ class Ending:
         ready, _, _ = select.select([self._read], [], [], seconds)
         return os.read(self._read, 1)[0] if ready else None
 
+    def ignore(self) -> None:
+        """Pass over what still comes: an end that is near is not to be spoilt by a second signal."""
+        for number in SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
+
 
 def _noted(number: int, frame: FrameType | None) -> None:
     """The interpreter has written the number into the pipe."""

@@ -5,6 +5,7 @@ Light: signals are settled before a node's program is loaded, whose imports take
 
 from __future__ import annotations
 
+import os
 import sys
 from functools import partial
 
@@ -35,6 +36,9 @@ def executable(kind: str) -> tuple[str, str]:
 def run(kind: str | None) -> None:
     """Run the node that the command line names, one of ``kind``; None: of any."""
     end_at_once()
+    # Threads of numerical libraries would only wait for one another, and change the last digits.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     from steering_core.requirements import missing_text
 
     try:

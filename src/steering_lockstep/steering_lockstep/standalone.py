@@ -109,6 +109,7 @@ def run_alone(
             spinner.run()
         return _end(spinner, node, watch)
     finally:
+        ending.ignore()
         node.destroy_node()
         context.try_shutdown()
 

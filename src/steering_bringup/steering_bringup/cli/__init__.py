@@ -13,10 +13,13 @@ from importlib import import_module
 from typing import Any
 
 from steering_bringup.cli import streams
+from steering_bringup.cli.ros_arguments import settled
+from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
 
 COMMANDS = {
     "run": "run a scenario through the ROS graph (or --direct), record and compare",
+    "graph": "write the graph of a run for its nodes' executables, as ros2 launch starts them",
     "node": "run one node of a run by hand, on this or another computer",
     "play": "publish a bag on ROS topics, at any rate",
     "check-node": "check an overlay node: feed it the bench, inject faults, give a verdict",
@@ -65,6 +68,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     with contextlib.suppress(OSError):
         # Last, so that it shadows nothing: where a node of one's own (MODULE:FUNCTION) is found.
         sys.path.append(os.getcwd())
+    try:
+        arguments = settled(arguments)
+    except BenchError as error:
+        print(f"steer: {error}", file=sys.stderr)
+        return USAGE
     with nothing_to_lose():
         parser = _parser(arguments)
     options, unknown = parser.parse_known_args(arguments)

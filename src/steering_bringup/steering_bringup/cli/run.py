@@ -35,8 +35,8 @@ OF_THE_GRAPH = ("real_time", "processes", "domain", "namespace", "remap", "wait_
 """Options that mean nothing without ROS."""
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
+def what_runs(parser: argparse.ArgumentParser) -> None:
+    """Declare the scenario and what changes it."""
     add = parser.add_argument
     add("scenario", nargs="?", default="on_centre", help="name (see 'steer list') or YAML file")
     what = parser.add_argument_group("what runs")
@@ -61,6 +61,25 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="what a node published in a bag, in its place; repeatable",
     )
+
+
+def a_rig(parser: argparse.ArgumentParser) -> None:
+    """Declare what puts a rig in the plant's place."""
+    rig = parser.add_argument_group("a rig in the plant's place")
+    add = rig.add_argument
+    add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
+    add("--rig", metavar="RIG", help="rig by name or file (default: emulated)")
+    add("--rig-link", choices=("udp", "can"), help="link to it (default: as its file says)")
+    add(
+        "--rig-fault",
+        choices=("end", "hold"),
+        help="in the safe state end the run (default), or go on until /rig/reset is called",
+    )
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    what_runs(parser)
     how = parser.add_argument_group("how it runs")
     add = how.add_argument
     add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
@@ -90,16 +109,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=60.0,
         help="s for who is waited for (default: 60)",
     )
-    rig = parser.add_argument_group("a rig in the plant's place")
-    add = rig.add_argument
-    add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
-    add("--rig", metavar="RIG", help="rig by name or file (default: emulated)")
-    add("--rig-link", choices=("udp", "can"), help="link to it (default: as its file says)")
-    add(
-        "--rig-fault",
-        choices=("end", "hold"),
-        help="in the safe state end the run (default), or go on until /rig/reset is called",
-    )
+    a_rig(parser)
     out = parser.add_argument_group("what is kept")
     add = out.add_argument
     add("--out", metavar="DIR", type=Path, help="folder (default: results/SCENARIO-1, -2, ...)")
@@ -121,9 +131,9 @@ def execute(options: argparse.Namespace) -> int:
                 zygote = stack.enter_context(forerunner())
             from steering_bringup.session import run_all
 
-            scenario = _scenario(options)
+            scenario = scenario_of(options)
             folder = _folder(options, scenario.name)
-            plans = _plans(options, scenario, folder)
+            plans = plans_of(options, scenario, folder)
             _prepare_external(plans, folder)
         outcomes = run_all(plans, _tell, zygote, _announce)
     report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
@@ -136,13 +146,13 @@ def execute(options: argparse.Namespace) -> int:
     return _status(outcomes[-1])
 
 
-def _scenario(options: argparse.Namespace) -> Scenario:
+def scenario_of(options: argparse.Namespace) -> Scenario:
     """Return the scenario with all options applied, checked."""
     from steering_bringup.overrides import merge, set_delay, set_file, set_value
     from steering_bringup.scenario_files import check_scenario, find, open_scenario
 
     document = open_scenario(options.scenario)
-    if (choice := _rig(options)) is not None:
+    if (choice := rig_of(options)) is not None:
         given = document.data.get("parameters") or {}
         missing = {n: v for n, v in choice.rig.parameters.items() if n not in given}
         merge(document, missing, f"rig '{choice.rig.name}'")
@@ -163,7 +173,7 @@ def _scenario(options: argparse.Namespace) -> Scenario:
     return check_scenario(document, find("scenario", options.scenario).parent)
 
 
-def _rig(options: argparse.Namespace) -> RigChoice | None:
+def rig_of(options: argparse.Namespace) -> RigChoice | None:
     """Return the rig that takes the plant's place, checked; None where the plant is simulated."""
     if options.plant != "rig":
         for name in ("rig", "rig_link", "rig_fault"):
@@ -183,14 +193,15 @@ def _folder(options: argparse.Namespace, name: str) -> Path:
     return options.out or free_folder(Path("results"), name)
 
 
-def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> list[Plan]:
+def plans_of(options: argparse.Namespace, scenario: Scenario, folder: Path) -> list[Plan]:
+    """Return the checked plan of each node set, with its bag in ``folder``."""
     from steering_bringup.plans import for_node_set, make_plan, node_sets_of
 
     node_sets = node_sets_of(scenario)
     if options.record and (len(node_sets) > 1 or options.no_record):
         reason = "--no-record" if options.no_record else f"{len(node_sets)} node sets"
         raise BenchError(f"--record names one bag, but there is {reason}: use --out DIR")
-    rig = _rig(options)
+    rig = rig_of(options)
     label = "" if rig is None else "_rig"
     bags = {
         node_set.name: (options.record or folder / (node_set.name + label))
