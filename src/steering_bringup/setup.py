@@ -17,17 +17,19 @@ setup(
         ("share/" + NAME + "/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Node sets, scenarios, launcher, recorder, direct runner and command line.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
             "recorder_node = steering_lockstep.executables:recorder",
             "replay_node = steering_lockstep.executables:replay",
             "lane_keeper_node = steering_lockstep.executables:lane_keeper",
-            "steer = steering_bringup.cli:main",
+            "steer = steering_bringup.cli:console",
         ],
     },
 )

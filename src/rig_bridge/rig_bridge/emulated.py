@@ -45,10 +45,11 @@ def emulated(
         yield settings, rig_process
 
 
-def command(path: Path, rig: RigFile, kind: str) -> tuple[Any, list[str]]:
+def command(path: Path, rig: RigFile, kind: str, priority: int) -> tuple[Any, list[str]]:
     """Return the link's settings and the command of the emulated rig, for whoever starts it.
 
-    It says "ready" in its first line. Raises BenchError for CAN, which needs a bus beside it.
+    priority: of the real-time scheduler, where this is permitted. The rig says "ready" in its first
+    line. Raises BenchError for CAN, which needs a bus beside it.
     """
     if kind != "udp":
         raise BenchError(
@@ -57,7 +58,8 @@ def command(path: Path, rig: RigFile, kind: str) -> tuple[Any, list[str]]:
         )
     settings = _places(rig.settings(kind))
     start = [sys.executable, "-m", "rig_bridge.emulator.main"]
-    return settings, [*start, *_words(path, rig, kind, settings)]
+    words = [*start, *_words(path, rig, kind, settings)]
+    return settings, [*words, "--priority", str(priority)]
 
 
 def _words(path: Path, rig: RigFile, kind: str, settings: Any) -> list[str]:

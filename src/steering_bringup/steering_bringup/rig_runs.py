@@ -79,7 +79,7 @@ class RigChoice:
             return self.own_connection(), []
         from rig_bridge.emulated import command
 
-        settings, words = command(self.path, self.rig, self.link)
+        settings, words = command(self.path, self.rig, self.link, PRIORITY)
         return Connection({**self._parameters(), "settings": json.dumps(settings)}), words
 
     def _parameters(self) -> dict[str, Any]:

@@ -35,7 +35,7 @@ class Ending:
         return os.read(self._read, 1)[0] if ready else None
 
     def ignore(self) -> None:
-        """Pass over what still comes: an end that is near is not to be spoilt by a second signal."""
+        """Pass over what still comes: a second signal must not spoil an end that is near."""
         for number in SIGNALS:
             signal.signal(number, signal.SIG_IGN)
 

@@ -45,7 +45,7 @@ def run(kind: str | None) -> None:
         from steering_lockstep.standalone import spin_alone
 
         status = spin_alone(kind)
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         sys.exit(f"error: {missing_text(error)}")
     sys.exit(status)
 

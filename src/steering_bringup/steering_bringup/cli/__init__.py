@@ -16,6 +16,7 @@ from steering_bringup.cli import streams
 from steering_bringup.cli.ros_arguments import settled
 from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
+from steering_core.requirements import missing_text
 
 COMMANDS = {
     "run": "run a scenario through the ROS graph (or --direct), record and compare",
@@ -102,6 +103,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         return FAILED
 
 
+def console() -> int:
+    """Run one command as an installed program; what is missing for an import is named."""
+    try:
+        return main()
+    except ImportError as error:
+        print(f"steer: {missing_text(error)}", file=sys.stderr)
+        return FAILED
+
+
 def _check_outputs(options: argparse.Namespace) -> None:
     """Refuse places that cannot be written before the work, not after it."""
     from steering_bringup.outputs import check_file, check_folder
@@ -176,6 +186,8 @@ def _hint(word: str, known: Iterable[str]) -> str:
 
 def _one_line(error: Exception) -> str:
     """Return an error's text on one line; an unforeseen one tells how to see more."""
+    if isinstance(error, ModuleNotFoundError):
+        return missing_text(error)
     text = " ".join(str(error).split()) or type(error).__name__
     if type(error).__module__.partition(".")[0] in OWN_PACKAGES:
         return text
