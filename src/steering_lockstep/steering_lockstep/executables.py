@@ -47,7 +47,10 @@ def run(kind: str | None) -> None:
         status = spin_alone(kind)
     except ImportError as error:
         sys.exit(f"error: {missing_text(error)}")
-    sys.exit(status)
+    # All is closed. Taking the interpreter down would need longer than all of that.
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
 
 
 plant = partial(run, "plant")

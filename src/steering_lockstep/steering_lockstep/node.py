@@ -176,6 +176,12 @@ class LockstepNode(Node):
             if plain.real.handle.get_publisher_count() < 1
         ]
 
+    def destroy_node(self) -> None:
+        """Leave the ROS graph: others shall not take the node for alive until its lease is over."""
+        for publisher in self._publishers_of.values():
+            publisher.handle.__exit__(None, None, None)
+        super().destroy_node()
+
     def close(self) -> None:
         """Release what the node holds besides its ROS entities; called once at the end."""
 

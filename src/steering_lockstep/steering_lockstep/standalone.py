@@ -25,6 +25,7 @@ import yaml
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from steering_core.errors import BenchError
@@ -89,15 +90,18 @@ def run_alone(
     SIGINT and SIGTERM end it in order; the status is then 128 and the signal's number.
     """
     os.environ.update(ros_environment(os.environ))
-    ending = Ending()
     context = Context()
-    rclpy.init(args=list(words) if parameters is None else None, context=context)
+    own = SignalHandlerOptions.NO
+    args = list(words) if parameters is None else None
+    rclpy.init(args=args, context=context, signal_handler_options=own)
     try:
         node = make(context, spec, run, parameters)
     except Exception as error:
         print(f"error: node '{spec.name}' cannot start: {error}", file=sys.stderr)
         context.try_shutdown()
         return 1
+    ending = Ending()  # before, there was nothing to end in order
+    spinner: Spinner | None = None
     try:
         spinner = Spinner(context, [node])
         watch = _Watch(spinner, node, ending, timeout)
@@ -110,6 +114,8 @@ def run_alone(
         return _end(spinner, node, watch)
     finally:
         ending.ignore()
+        if spinner is not None:
+            spinner.close()
         node.destroy_node()
         context.try_shutdown()
 

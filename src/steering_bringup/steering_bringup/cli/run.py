@@ -28,6 +28,7 @@ EXAMPLES = """examples:
   steer run step --from-bag driver=results/step-1/closed_centre
   steer run on_centre --node-set closed_centre --plant rig --rig-link can
   steer run lane_keeping --external lane_keeper --domain 42
+  steer run weave --real-time --domain 42 --namespace car1 --wait-for /steering/torque
   steer run --delay '/valve/left/command->plant=1' --delay '/valve/right/command->plant=1' \\
             --set valve_controller.resonance=400"""
 
