@@ -14,7 +14,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
         ("share/" + NAME, ["package.xml"]),
-        ("share/" + NAME + "/launch", sorted(glob("launch/*.launch.py"))),
+        ("share/" + NAME + "/launch", sorted(glob(NAME + "/launch_files/*.py"))),
     ],
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},

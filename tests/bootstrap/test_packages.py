@@ -98,12 +98,9 @@ def test_console_scripts_lead_somewhere(package):
         file = base / "__init__.py" if base.is_dir() else base.with_suffix(".py")
         nodes = list(ast.walk(ast.parse(file.read_text())))
         names = [n.name for n in nodes if hasattr(n, "name")]
-        names += [n.targets[0].id for n in nodes if isinstance(n, ast.Assign) if _is_name(n)]
+        assigned = [n.targets[0] for n in nodes if isinstance(n, ast.Assign)]
+        names += [target.id for target in assigned if isinstance(target, ast.Name)]
         assert function in names, script
-
-
-def _is_name(node: ast.Assign) -> bool:
-    return isinstance(node.targets[0], ast.Name)
 
 
 @pytest.mark.parametrize("package", PYTHON, ids=lambda p: p.name)

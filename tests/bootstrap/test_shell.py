@@ -58,15 +58,17 @@ def test_a_second_time_changes_nothing(layout, ready):
 
 def test_a_run_in_such_a_shell_is_as_elsewhere(layout, ready):
     base = {"PATH": "/usr/bin"}
-    plain = variables.for_run(layout, *ready, base)
-    inside = variables.for_run(layout, *ready, shell.variables(layout, ready, base))
+    plain = variables.for_run(layout, ready.environment, ready.workspace, base)
+    inside = variables.for_run(
+        layout, ready.environment, ready.workspace, shell.variables(layout, ready, base)
+    )
     more = {"ROS_DOMAIN_ID", "CMAKE_PREFIX_PATH"}
     assert {k: v for k, v in inside.items() if k not in more} == plain
 
 
 def test_a_range_that_is_asked_for_in_such_a_shell_counts(layout, ready):
     inside = shell.variables(layout, ready, {"PATH": "/usr/bin"}) | {RANGE: "SUBNET"}
-    result = variables.for_run(layout, *ready, inside)
+    result = variables.for_run(layout, ready.environment, ready.workspace, inside)
     assert result[RANGE] == "SUBNET"
     assert inherited.PROFILE not in result
     # A node of plain ros2 run, which does not come through ./steer.
@@ -90,12 +92,12 @@ def sourced(prefix, **more):
 
 def test_a_workspace_built_on_the_bench_is_kept_behind_it(workspace, layout, ready):
     base = sourced(workspace, LD_LIBRARY_PATH=f"{workspace}/lib:/opt/ros/humble/lib")
-    result = variables.for_run(layout, *ready, base)
+    result = variables.for_run(layout, ready.environment, ready.workspace, base)
     assert result["AMENT_PREFIX_PATH"].split(":")[-1] == str(workspace)
     assert result["PYTHONPATH"].split(":")[-1] == f"{workspace}/lib/python"
     assert result["LD_LIBRARY_PATH"].split(":")[-1] == f"{workspace}/lib"
     assert "humble" not in " ".join(result.values())
-    assert variables.for_run(layout, *ready, result) == result
+    assert variables.for_run(layout, ready.environment, ready.workspace, result) == result
 
 
 def test_links_into_its_build_folder_are_kept(workspace, layout):
@@ -108,19 +110,19 @@ def test_a_workspace_of_another_ros_is_not_kept(tmp_path, layout, ready):
     prefix = tmp_path / "install"
     prefix.mkdir()
     (prefix / "setup.sh").write_text('COLCON_CURRENT_PREFIX="/opt/ros/humble"\n')
-    result = variables.for_run(layout, *ready, sourced(prefix))
+    result = variables.for_run(layout, ready.environment, ready.workspace, sourced(prefix))
     assert str(prefix) not in " ".join(result.values())
 
 
 def test_in_a_shell_of_the_bench_everything_that_is_added_counts(layout, ready):
     inside = shell.variables(layout, ready, {"PATH": "/usr/bin"})
     inside["PYTHONPATH"] = f"/my/tools:{inside['PYTHONPATH']}"
-    result = variables.for_run(layout, *ready, inside)
+    result = variables.for_run(layout, ready.environment, ready.workspace, inside)
     assert result["PYTHONPATH"].endswith(":/my/tools")
 
 
 def test_help_and_a_wrong_domain(tmp_path):
-    words = [sys.executable, ROOT / "steer", "env"]
+    words = [sys.executable, str(ROOT / "steer"), "env"]
     told = subprocess.run(
         [*words, "--help"], capture_output=True, text=True, timeout=60, check=True
     )

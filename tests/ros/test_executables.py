@@ -69,8 +69,8 @@ def test_they_make_the_direct_runner_s_bytes_in_any_namespace(tmp_path, start):
     ros = ["--ros-args", "-r", "__ns:=/car1", "-r", "driver/torque:=/hand", *changed]
     nodes = [start(*reversed_last(line), *ros) for line in lines]
     assert [node.wait(90) for node in nodes] == [0] * 6
-    words = (*words, "--set", "mechanics.rack_mass=31", "--direct", "--out", "direct")
-    Bench("run", "step", *words, folder=tmp_path).finish()
+    alone_words = ("--set", "mechanics.rack_mass=31", "--direct", "--out", "direct")
+    Bench("run", "step", *words, *alone_words, folder=tmp_path).finish()
     recorded, alone = read_bag(tmp_path / "bag"), read_bag(tmp_path / "direct" / "closed_centre")
     assert len(recorded["/clock"]) == 200
     assert first_difference(recorded, alone) is None

@@ -96,10 +96,10 @@ def run_graph(
     supervision = Supervision(settings, timeout, start_timeout, grace, on_progress)
     try:
         with supervision.signals():
-            for names in placement(graph, layout, external).values():
-                mine = {name: dict((parameters or {}).get(name, {})) for name in names}
-                job = Job(names, settings, claim.number, mine, ros, executor, tuple(external))
-                supervision.add(Child(names, *crew.fork("steering_lockstep.worker:work", job)))
+            for group in placement(graph, layout, external).values():
+                mine = {name: dict((parameters or {}).get(name, {})) for name in group}
+                job = Job(group, settings, claim.number, mine, ros, executor, tuple(external))
+                supervision.add(Child(group, *crew.fork("steering_lockstep.worker:work", job)))
             result = supervision.run(crew)
     finally:
         if own:

@@ -4,6 +4,7 @@ Its arguments: ros2 launch steering_bringup bench.launch.py --show-args
 """
 
 from launch import LaunchDescription
+
 from steering_bringup.launching import bench
 
 

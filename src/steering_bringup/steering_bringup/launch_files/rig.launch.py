@@ -4,6 +4,7 @@ Its arguments: ros2 launch steering_bringup rig.launch.py --show-args
 """
 
 from launch import LaunchDescription
+
 from steering_bringup.launching import bench
 
 
