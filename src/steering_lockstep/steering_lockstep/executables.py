@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from functools import partial
+from pkgutil import resolve_name
 
 from steering_lockstep.ending import end_at_once
 
@@ -24,6 +25,8 @@ EXECUTABLES = {
     "replay": ("steering_bringup", "replay_node"),
 }
 """Kind of node to (package, executable); nodes of one's own kinds run in ``ANY``."""
+
+SPIN = "steering_lockstep.standalone:spin_alone"
 
 ANY = ("steering_lockstep", "lockstep_node")
 
@@ -42,9 +45,7 @@ def run(kind: str | None) -> None:
     from steering_core.requirements import missing_text
 
     try:
-        from steering_lockstep.standalone import spin_alone
-
-        status = spin_alone(kind)
+        status = int(resolve_name(SPIN)(kind))
     except ImportError as error:
         sys.exit(f"error: {missing_text(error)}")
     # All is closed. Taking the interpreter down would need longer than all of that.
