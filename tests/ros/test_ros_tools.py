@@ -73,7 +73,14 @@ def test_topics_and_nodes_of_a_run_are_seen(tmp_path, ros2):
     run = Bench(*words, "--namespace", "car1", folder=tmp_path)
     assert run.process.stdout is not None
     run.process.stdout.readline()
-    echo = ros2("topic", "echo", "--once", "/car1/steering/rack", "steering_msgs/msg/RackState")
+    echo = ros2(
+        "topic",
+        "echo",
+        "--no-daemon",
+        "--once",
+        "/car1/steering/rack",
+        "steering_msgs/msg/RackState",
+    )
     assert re.search(r"^position: ", told(echo), re.MULTILINE)
     topics = told(ros2("topic", "list", *ALONE)).split()
     assert {"/car1/steering/torque", "/car1/clock", "/car1/vehicle/odometry"} <= set(topics)
