@@ -1,6 +1,8 @@
 """Guests of plain rclpy at 1 Hz and 10 Hz steer; a stopped listener costs the run little."""
 
+import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -35,9 +37,12 @@ def test_guests_at_1_and_10_hz_steer_and_are_faded_out_after_three_periods(tmp_p
     program = [sys.executable, str(SUPPORT / "beating_guest.py")]
     fast = [*program, "ten_hertz", "10", "2.0", "2.0", "15"]
     slow = [*program, "one_hertz", "1", "-1.0", "1.0", "30"]
-    guests = [subprocess.Popen(words, env=environment) for words in (fast, slow)]
+    ear = [sys.executable, str(SUPPORT / "ros_ear.py"), str(tmp_path / "heard")]
+    guests = [subprocess.Popen(words, env=environment) for words in (ear, fast, slow)]
     try:
         status, _, err = bench.finish()
+        guests[0].terminate()
+        guests[0].wait(20)
     finally:
         for guest in guests:
             guest.kill()
@@ -55,6 +60,22 @@ def test_guests_at_1_and_10_hz_steer_and_are_faded_out_after_three_periods(tmp_p
     assert len(after) > 2000
     assert np.all(after[-2000:] == one)
     assert applied["applied"][-1] == -1.0
+    told = arbiter_statuses(tmp_path / "heard")
+    assert {"serves nobody", "serves ten_hertz", "serves one_hertz; a source is silent"} <= {
+        status["message"] for status in told
+    }
+    known = {entry["key"]: entry["value"] for entry in told[-1]["values"]}
+    assert known["served"] == "one_hertz"
+    assert known["applied_Nm"] == "-1"
+    assert re.fullmatch(r"guest, \d+ ms old, silent after 3\d\d ms", known["source ten_hertz"])
+    assert re.fullmatch(r"guest, \d+ ms old, silent after [23]\d\d\d ms", known["source one_hertz"])
+
+
+def arbiter_statuses(path):
+    """Return what the arbiter told of itself on /diagnostics."""
+    messages = map(json.loads, path.read_text().splitlines())
+    statuses = [s for m in messages if m["topic"] == "/diagnostics" for s in m["status"]]
+    return [s for s in statuses if s["name"] == "arbiter: torque overlay"]
 
 
 LISTENER = """

@@ -8,12 +8,18 @@ from typing import Any
 
 import numpy as np
 
+from steering_lockstep.clock_status import ClockStatus
 from steering_lockstep.diagnostics import ERROR, OK, WARN, Diagnostics
 from steering_lockstep.errors import LockstepError
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import CREDIT_TICKS
 from steering_lockstep.topics import CREDIT, wire
 from steering_lockstep.wire import NANOSECONDS_PER_TICK
+
+
+TASK = "lock step"
+"""What the clock's status on /diagnostics is called."""
+BEHIND = "behind the wall clock"
 
 
 class ClockNode(LockstepNode):
@@ -33,7 +39,8 @@ class ClockNode(LockstepNode):
         self.ended_at = 0
         self.lateness = np.zeros(self.run.ticks if self.run.real_time else 0, np.int64)
         self.sleep_until: Callable[[int], None] = _no_pacing
-        self.diagnostics = Diagnostics(self, self.spec.name)
+        self.status = ClockStatus()
+        self.diagnostics = Diagnostics(self, TASK)
         if self.has_recorder:
             self._subscribe(CREDIT, self._more_credit)
 
@@ -44,7 +51,9 @@ class ClockNode(LockstepNode):
 
     def start(self) -> None:
         """Publish tick 0; called once when every endpoint is matched."""
-        self.diagnostics.tell(OK, "running", 0)
+        now = monotonic_ns()
+        self.status.begin(now)
+        self._tell_running(0, now)
         self.started_at = monotonic_ns()
         self.guarded(self._go)
 
@@ -54,7 +63,7 @@ class ClockNode(LockstepNode):
 
     def failed(self, error: LockstepError) -> None:
         """Tell others why the run ends."""
-        self.diagnostics.tell(ERROR, str(error), self.barrier.tick)
+        self._tell_state(ERROR, str(error), self.barrier.tick, monotonic_ns())
 
     def lacking(self) -> tuple[str, ...]:
         """Return the topics that the node waits for, the recorder's credit among them."""
@@ -82,11 +91,14 @@ class ClockNode(LockstepNode):
         """Go to the next tick with the commands of this one; return whether it may be published."""
         barrier = self.barrier
         tick = barrier.tick
+        now = monotonic_ns()
         if self.run.real_time:
-            self._note_lateness(tick)
+            self._note_lateness(tick, now)
+        if now > self.diagnostics.due:
+            self._tell_running(tick, now)
         if tick + 1 >= self.run.ticks:
-            self.ended_at = monotonic_ns()
-            self.diagnostics.tell(OK, f"finished after {self.run.ticks} ticks", tick)
+            self.ended_at = now
+            self._tell_state(OK, f"finished after {self.run.ticks} ticks", tick, now)
             self._finish()
             return False
         self.busy = True
@@ -104,13 +116,19 @@ class ClockNode(LockstepNode):
             return False
         return True
 
-    def _note_lateness(self, tick: int) -> None:
-        late = monotonic_ns() - self._due(tick)
-        self.lateness[tick] = late
-        if late > NANOSECONDS_PER_TICK:
-            self.diagnostics.tell(WARN, "behind the wall clock", tick)
-        else:
-            self.diagnostics.tell(OK, "running", tick)
+    def _note_lateness(self, tick: int, now: int) -> None:
+        self.lateness[tick] = late = now - self._due(tick)
+        self.status.note(late, now)
+        if self.status.late_at == now and self.diagnostics.changed(WARN, BEHIND):
+            self._tell_running(tick, now)
+
+    def _tell_running(self, tick: int, now: int) -> None:
+        behind = self.status.behind(now)
+        self._tell_state(WARN if behind else OK, BEHIND if behind else "running", tick, now)
+
+    def _tell_state(self, level: Any, text: str, tick: int, now: int) -> None:
+        credit = self.credit if self.has_recorder else None
+        self.diagnostics.tell(level, text, tick, self.status.values(tick, now, credit))
 
     def _due(self, tick: int) -> int:
         return self.started_at + tick * NANOSECONDS_PER_TICK

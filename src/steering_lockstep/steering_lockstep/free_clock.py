@@ -15,7 +15,6 @@ from steering_lockstep.outside import Outside, Status
 from steering_lockstep.settings import CREDIT_TICKS
 from steering_lockstep.topics import CREDIT, wire
 
-STATUS_NS = 1_000_000_000
 LEVELS = {"ok": OK, "warn": WARN, "error": ERROR}
 
 
@@ -37,7 +36,6 @@ class FreeClock(ClockNode):
         self.begun = False
         self.answered = True
         self.ahead = 0
-        self.status_due = 0
         self.told: Status | None = None
         self.complete = Future()
 
@@ -48,6 +46,7 @@ class FreeClock(ClockNode):
 
     def start(self) -> None:
         """Open the hardware; called once when every endpoint is matched."""
+        self.diagnostics.hardware = str(self.core.report().get("rig", self.diagnostics.hardware))
         self.guarded(self.core.open)
         self.sleep_until(0)
 
@@ -96,6 +95,7 @@ class FreeClock(ClockNode):
             self.barrier.advance()
         else:
             self.begun, self.started_at = True, monotonic_ns()
+            self.status.begin(self.started_at)
         self.publish(self.barrier.tick, row)
 
     def _complete(self) -> None:
@@ -143,14 +143,14 @@ class FreeClock(ClockNode):
         executor.spin_until_future_complete(self.complete, timeout_sec=seconds)
 
     def _tell_if_due(self) -> None:
-        if self.core.status() != self.told or monotonic_ns() > self.status_due:
+        if self.core.status() != self.told or monotonic_ns() > self.diagnostics.due:
             self._tell()
 
     def _tell(self) -> None:
         status = self.told = self.core.status()
-        self.status_due = monotonic_ns() + STATUS_NS
         tick = self.barrier.tick if self.begun else 0
-        self.diagnostics.tell(LEVELS[status.level], status.text, tick, self.core.numbers())
+        values = {"tick": tick, "guard": status.text, **self.core.numbers()}
+        self.diagnostics.tell(LEVELS[status.level], status.text, tick, values)
 
     def failed(self, error: LockstepError) -> None:
         """Tell others why the run ends, and make the hardware safe before anything else."""

@@ -38,6 +38,7 @@ from steering_lockstep.middleware import ros_environment
 from steering_lockstep.names import relative
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import RunSettings
+from steering_lockstep.rosout import Rosout
 from steering_lockstep.spinner import Spinner
 from steering_lockstep.urgency import hurry
 
@@ -104,13 +105,16 @@ def run_alone(
     spinner: Spinner | None = None
     try:
         spinner = Spinner(context, [node])
+        rosout = Rosout([node])
         watch = _Watch(spinner, node, ending, timeout)
         threading.Thread(target=watch.watch, daemon=True).start()
         if _start(spinner, node, wait):
             watch.started.set()
+            rosout.started()
             if run.urgent:
                 hurry([spec.kind])
             spinner.run()
+        rosout.ended(spinner.error)
         return _end(spinner, node, watch)
     finally:
         ending.ignore()

@@ -27,6 +27,7 @@ from steering_lockstep.in_process import introduce
 from steering_lockstep.kinds import factory
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.outcome import RunError
+from steering_lockstep.rosout import Rosout
 from steering_lockstep.spinner import Spinner
 from steering_lockstep.standalone import Others
 from steering_lockstep.urgency import hurry
@@ -116,10 +117,12 @@ def _executor(job: Job, context: Context) -> Any:
 
 
 def _run(link: Link, spinner: Spinner, job: Job) -> None:
+    rosout = Rosout(spinner.nodes)
     if not _match(link, spinner, job):
         return
     if spinner.nodes[0].run.urgent:
         hurry([node.spec.kind for node in spinner.nodes])
+    rosout.started()
     began = process_time()
     threading.Thread(target=_watch, args=(link, spinner), daemon=True).start()
     spinner.run()
@@ -127,6 +130,7 @@ def _run(link: Link, spinner: Spinner, job: Job) -> None:
         link.send("error", _run_error(spinner.error))
     elif spinner.finished:
         link.send("finished", process_time() - began)
+    rosout.ended(spinner.error)
     link.closing.wait()
 
 

@@ -8,12 +8,14 @@ their messages count from the tick at which they come in. Parameters: any of the
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from time import monotonic_ns
 from typing import Any
 
 from rclpy.context import Context
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from pressure_control.overlay.arbiter import OverlayArbiter
+from pressure_control.overlay.sources import HEARD
 from steering_lockstep.core_parameters import check_own, parameter_set
 from steering_lockstep.diagnostics import OK, WARN, Diagnostics
 from steering_lockstep.graph import NodeSpec
@@ -32,6 +34,15 @@ MEASURED = (
 MOST_GUESTS = 64
 """A publisher that invents names must not fill the memory."""
 SOURCE, OVERRIDDEN, STALE, REFUSED = 6, 13, 14, 15
+NUMBERS = {
+    "asked_Nm": 0,
+    "applied_Nm": 1,
+    "driver_torque_Nm": 4,
+    "authority": 5,
+    "refused_count": 16,
+    "stale_count": 17,
+    "override_count": 18,
+}
 """Places in the core's ``out`` of what is told on /diagnostics."""
 
 
@@ -49,7 +60,7 @@ class ArbiterNode(LockstepNode):
         asked = [(name, part) for name in self.members for part in ("torque", "priority")]
         self.ports = Ports(takes=(*MEASURED, *asked), gives=(APPLIED,))
         super().__init__(context, spec, run, parameters, arbiter_builder(spec, run))
-        self.diagnostics = Diagnostics(self, spec.name)
+        self.diagnostics = Diagnostics(self, "torque overlay")
         self._told: tuple[float, ...] = ()
         self._listen()
 
@@ -57,16 +68,31 @@ class ArbiterNode(LockstepNode):
         """Publish what is applied; a change of who is served, or of trouble, goes to others."""
         super().publish(tick, out)
         state = (out[SOURCE], out[OVERRIDDEN], out[STALE], out[REFUSED])
-        if state != self._told:
+        if state != self._told or monotonic_ns() > self.diagnostics.due:
             self._told = state
-            self._tell(tick, *state)
+            self._tell(tick, out, *state)
 
-    def _tell(self, tick: int, source: float, *troubles: float) -> None:
-        names = [*(str(overlay_source(name)) for name in self.members), *self.core.guests]
-        text = f"serves {names[int(source) - 1]}" if source else "serves nobody"
+    def _tell(self, tick: int, out: Sequence[float], source: float, *troubles: float) -> None:
+        served = self.source_names()[int(source) - 1] if source else "nobody"
         words = ("the driver overrides", "a source is silent", "a message was refused")
         told = [word for word, trouble in zip(words, troubles, strict=True) if trouble]
-        self.diagnostics.tell(WARN if any(troubles[1:]) else OK, "; ".join([text, *told]), tick)
+        text = "; ".join([f"serves {served}", *told])
+        numbers = {name: f"{out[place]:.6g}" for name, place in NUMBERS.items()}
+        values = {"tick": tick, "served": served, **numbers, **self._sources(tick)}
+        self.diagnostics.tell(WARN if any(troubles[1:]) else OK, text, tick, values)
+
+    def source_names(self) -> list[str]:
+        """Return the names of all sources in the order of their numbers."""
+        return [*(str(overlay_source(name)) for name in self.members), *self.core.guests]
+
+    def _sources(self, tick: int) -> dict[str, str]:
+        """Return what is known of each source: who it is, how old its word is, how old it may get."""
+        core, found = self.core, {}
+        for name, kept, longest in zip(self.source_names(), core.kept, core.longest, strict=True):
+            who = "guest" if name in core.guests else "member"
+            age = f"{tick - kept[HEARD]:.0f} ms old" if kept[HEARD] >= 0.0 else "never heard"
+            found[f"source {name}"] = f"{who}, {age}, silent after {longest:.0f} ms"
+        return found
 
     def _listen(self) -> None:
         from steering_msgs.msg import TorqueOverlay
