@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import signal
@@ -14,6 +15,15 @@ LEAST_SAMPLES = 200
 ORDER = 6
 ROLL_OFF = 0.8
 """Bandwidth over the decimated grid's Nyquist frequency."""
+
+
+@lru_cache(maxsize=256)
+def low_pass_sections(order: int, frequency: float) -> np.ndarray:
+    """Return the sections of a Butterworth low-pass; frequency: over Nyquist's, 0 to 1.
+
+    A diagnosis asks for the same few some thousand times; the design takes longer than the filter.
+    """
+    return np.asarray(signal.butter(order, frequency, output="sos"))
 
 
 @dataclass(frozen=True)
@@ -40,7 +50,7 @@ class Sampling:
         finite = np.isfinite(columns)
         filled = columns if finite.all() else _bridged(columns, finite)
         if 2.0 * self.bandwidth_hz * self.period_s < 1.0:
-            sections = signal.butter(ORDER, 2.0 * self.bandwidth_hz * self.period_s, output="sos")
+            sections = low_pass_sections(ORDER, 2.0 * self.bandwidth_hz * self.period_s)
             filled = signal.sosfiltfilt(sections, filled, axis=0)
         kept = filled[:: self.factor].copy()
         kept[~_clear(finite, 2 * self.factor)[:: self.factor]] = np.nan

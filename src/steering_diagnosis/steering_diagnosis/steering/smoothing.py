@@ -11,6 +11,7 @@ from scipy import signal
 from scipy.interpolate import CubicSpline
 
 from steering_diagnosis.data.record import PERIOD_S
+from steering_diagnosis.engine.sampling import low_pass_sections
 
 SEGMENT = 2048
 NOISE_BAND_HZ = 350.0
@@ -79,7 +80,7 @@ def noise_like(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
 
 def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:
     """Return ``values`` (n, ...) low-passed with zero phase."""
-    sections = signal.butter(ORDER, 2.0 * cutoff_hz * PERIOD_S, output="sos")
+    sections = low_pass_sections(ORDER, 2.0 * cutoff_hz * PERIOD_S)
     return np.asarray(
         signal.sosfiltfilt(sections, values, axis=0, padlen=min(EDGE, len(values) - 1))
     )
