@@ -11,7 +11,8 @@ import numpy as np
 
 from balance_diagnosis.constants import DEFAULT, Constants
 from balance_diagnosis.evidence import Criterion, Fit, Noise, limits
-from balance_diagnosis.held_out import Gain, gains
+from balance_diagnosis.extended import Extended
+from balance_diagnosis.held_out import Curve, Gain, curves, gains
 from balance_diagnosis.inputs import check_records, check_response
 from balance_diagnosis.intervals import Estimate, estimates
 from balance_diagnosis.model import Model, Prediction
@@ -48,6 +49,7 @@ class Diagnosis:
     noise: dict[str, float]
     gains: tuple[Gain, ...]
     remaining: tuple[Band, ...]
+    curves: tuple[Curve, ...]
     calls: int
     failures: dict[str, int]
 
@@ -60,16 +62,24 @@ class Diagnosis:
                 found.setdefault(number.cause, {})[number.name] = number
         return found
 
+    @property
+    def extended(self) -> Extended:
+        """The model with what was found, to be run on any record."""
+        return Extended.of(self.model, self.numbers)
+
     def predicted(self, record: Record, **starts: float) -> Prediction:
-        """Return what the extended model predicts for a record of known starts."""
-        values = {n.name: n.value for n in self.numbers}
-        return self.model.predicted({**values, **starts}, record)
+        """Return what the extended model predicts. starts: of a record that was not fitted."""
+        return self.extended.predicted(record, **starts)
 
-    def write(self, folder: str | Path, rates: Rates | None = None) -> Path:
-        """Write report.json, page.html and extended_model.json; return the page's path."""
-        from balance_diagnosis.report import write
+    def write(self, folder: str | Path, rates: Rates | None = None, call: str = "") -> Path:
+        """Write page.html, report.json and extended_model.yaml; return the page's path.
 
-        return write(self, Path(folder), rates)
+        call: the command that made it, where it was not a program. BalanceError where the folder
+        cannot be written.
+        """
+        from balance_diagnosis.report.write import write
+
+        return write(self, Path(folder), rates, call)
 
 
 def diagnose(
@@ -97,7 +107,7 @@ def diagnose(
         f"{s.output} of {problem.records[s.record].name}": float(search.criterion.noise.sd[span][0])
         for s, span in zip(problem.rows, problem.spans, strict=True)
     }
-    held = [*fit, *holdout]
+    told = curves(problem, plain, best, [*fit, *holdout], len(fit))
     return Diagnosis(
         model,
         tuple(fit),
@@ -108,8 +118,9 @@ def diagnose(
         tuple(estimates(search.criterion, plain)),
         {name: dict(probed.typical) for name, probed in problem.probed.items()},
         noise,
-        tuple(gains(problem, plain, best, held, len(fit))),
-        tuple(bands(problem, best, held)),
+        tuple(gains(told)),
+        tuple(bands(told)),
+        tuple(told),
         problem.calls,
         dict(problem.failures),
     )

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-try:
-    from steering_core.errors import BenchError
-except ModuleNotFoundError:  # installed alone, with pip
 
-    class BenchError(Exception):  # type: ignore[no-redef]
-        """What a user can put right, on one line."""
+class BalanceError(Exception):
+    """What a user can put right, on one line."""
 
 
-__all__ = ["BenchError"]
+BenchError = BalanceError
+
+__all__ = ["BalanceError", "BenchError"]

@@ -6,10 +6,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from balance_diagnosis.evidence import Fit
 from balance_diagnosis.problem import Problem
 from balance_diagnosis.record import Record
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One output of one record: times [s], measured and both predictions, (n,) in its unit.
+
+    measured is NaN where nothing is judged. held_out: the record was not fitted.
+    """
+
+    record: str
+    output: str
+    held_out: bool
+    times: np.ndarray
+    measured: np.ndarray
+    nominal: np.ndarray
+    extended: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -23,35 +40,60 @@ class Gain:
     held_out: bool
 
 
-def gains(
+def curves(
     problem: Problem, nominal: Fit, extended: Fit, records: Sequence[Record], fitted: int
-) -> list[Gain]:
-    """Return the errors of both models. Of records beyond the fitted ones the starts are fitted."""
+) -> list[Curve]:
+    """Return what both models predict. Of records beyond the fitted ones the starts are fitted."""
     found = []
     for number, record in enumerate(records):
-        errors = [error_of(problem, fit, record, number, fitted) for fit in (nominal, extended)]
-        for key in errors[0]:
-            before, after = (float(np.sqrt(np.nanmean(e[key] ** 2))) for e in errors)
-            found.append(Gain(record.name, key, before, after, number >= fitted))
+        before, after = (
+            problem.model.predicted(_values(problem, fit, record, number, fitted), record).outputs
+            for fit in (nominal, extended)
+        )
+        found += [
+            Curve(
+                record.name,
+                key,
+                number >= fitted,
+                record.times,
+                record[key],
+                before[key],
+                after[key],
+            )
+            for key in before
+        ]
     return found
 
 
-def error_of(
+def gains(told: Sequence[Curve]) -> list[Gain]:
+    """Return the errors of both models."""
+    return [
+        Gain(
+            c.record,
+            c.output,
+            _rms(c.measured - c.nominal),
+            _rms(c.measured - c.extended),
+            c.held_out,
+        )
+        for c in told
+    ]
+
+
+def _rms(error: np.ndarray) -> float:
+    judged = error[np.isfinite(error)]
+    return float(np.sqrt(np.mean(judged**2))) if len(judged) else float("nan")
+
+
+def _values(
     problem: Problem, fit: Fit, record: Record, number: int, fitted: int
-) -> dict[str, np.ndarray]:
-    """Return measured minus predicted at every sample, output to (n,); NaN where not judged."""
+) -> dict[str, float]:
     if number < fitted:
-        values = problem.values(fit.names, fit.x, number)
-    else:
-        values = started(problem, fit, record)
-    made = problem.model.predicted(values, record)
-    return {key: record[key] - output for key, output in made.outputs.items()}
+        return problem.values(fit.names, fit.x, number)
+    return started(problem, fit, record)
 
 
 def started(problem: Problem, fit: Fit, record: Record) -> dict[str, float]:
     """Return the numbers of a fit with the starts of another record fitted to it."""
-    from scipy.optimize import least_squares
-
     slots = problem.slots(fit.names)
     values = {
         slot.name: slot.prior.value(float(x))
@@ -76,6 +118,4 @@ def started(problem: Problem, fit: Fit, record: Record) -> dict[str, float]:
         ),
         key=lambda made: made.cost,
     )
-    return values | {
-        s.name: s.prior.value(float(v)) for s, v in zip(starts, found.x, strict=True)
-    }
+    return values | {s.name: s.prior.value(float(v)) for s, v in zip(starts, found.x, strict=True)}

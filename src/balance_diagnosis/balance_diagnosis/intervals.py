@@ -17,13 +17,17 @@ BLOCKS = 20
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its 95 % interval, within its bounds. cause: "" for a parameter or a start."""
+    """A number with its 95 % interval, within its bounds.
+
+    cause: whose it is, "" for a parameter or a start. record: whose start it is, "" for others.
+    """
 
     name: str
     cause: str
     value: float
     low: float
     high: float
+    record: str = ""
 
 
 def estimates(criterion: Criterion, fit: Fit) -> list[Estimate]:
@@ -34,11 +38,9 @@ def estimates(criterion: Criterion, fit: Fit) -> list[Estimate]:
     made = []
     for i, slot in enumerate(slots):
         half = factor * float(np.sqrt(max(covariance[i, i], 0.0)))
-        name = slot.name
-        if slot.record is not None:
-            name = f"{name} of {problem.records[slot.record].name}"
+        record = "" if slot.record is None else problem.records[slot.record].name
         value, low, high = (slot.prior.value(fit.x[i] + d) for d in (0.0, -half, half))
-        made.append(Estimate(name, slot.cause, value, low, high))
+        made.append(Estimate(slot.name, slot.cause, value, low, high, record))
     return made
 
 

@@ -62,7 +62,8 @@ class Model:
     deterministic. parameters: name to ``between(low, high)`` or ``toleranced(nominal, share)``.
     starts: unknown numbers of each record anew, by name (within twice the range of the first
     output, about the first value where a channel has that name) or with a prior of their own.
-    causes: name to number to (off, low, high).
+    causes: name to number to (off, low, high). units: of any of these numbers, and name: of the
+    machine, both for the report.
     """
 
     def __init__(
@@ -72,8 +73,11 @@ class Model:
         causes: Mapping[str, Mapping[str, Sequence[float]]],
         starts: Sequence[str] | Mapping[str, Prior] = (),
         outputs: Sequence[str] = (),
+        units: Mapping[str, str] | None = None,
+        name: str = "model",
     ) -> None:
         self.predict = predict
+        self.units, self.name = dict(units or {}), name
         self.parameters = dict(parameters)
         self.starts: dict[str, Prior | None] = (
             dict(starts) if isinstance(starts, Mapping) else dict.fromkeys(starts)
@@ -150,6 +154,9 @@ class Model:
                 if name in owners:
                     raise BenchError(f"'{name}' is in {owners[name]} and in {owner}: rename one")
                 owners[name] = owner
+        for name in self.units:
+            if name not in owners:
+                raise BenchError(f"a unit is given for '{name}', which is no number of the model")
         for name, prior in {**self.parameters, **self.starts}.items():
             if prior is not None and not isinstance(prior, Prior):
                 raise BenchError(

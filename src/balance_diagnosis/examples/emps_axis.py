@@ -56,7 +56,9 @@ def records(folder):
         judged = np.where((np.abs(v) > LEAST_SPEED), pull, np.nan)
         judged[:200] = judged[-200:] = np.nan
         moved = {"x": x, "v": v, "a": np.gradient(v, 1e-3), "sign": np.tanh(v / STANDSTILL)}
-        made.append(Record(1e-3 * np.arange(len(x)), {**moved, "force": judged}, {"force": "N"}, name=name))
+        made.append(
+            Record(1e-3 * np.arange(len(x)), {**moved, "force": judged}, {"force": "N"}, name=name)
+        )
     return made
 
 

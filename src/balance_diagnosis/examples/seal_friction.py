@@ -48,9 +48,7 @@ def record(folder, seal, bar):
     table = table[np.r_[True, np.diff(table[:, 0]) > 0.0]]
     told = table[:, 0] / 1e3
     times = np.arange(told[0], told[-1], PERIOD)
-    x, pressure, pull = (
-        filtfilt(*FILTER, np.interp(times, told, table[:, k])) for k in (4, 5, 6)
-    )
+    x, pressure, pull = (filtfilt(*FILTER, np.interp(times, told, table[:, k])) for k in (4, 5, 6))
     v = np.gradient(1e-3 * x, PERIOD)
     gaps = np.diff(told)[np.searchsorted(told, times, side="right") - 1] > 0.05
     pull[gaps | (np.abs(v) < LEAST_SPEED)] = np.nan
