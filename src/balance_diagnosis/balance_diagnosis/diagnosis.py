@@ -13,7 +13,12 @@ from balance_diagnosis.constants import DEFAULT, Constants
 from balance_diagnosis.evidence import Criterion, Fit, Noise, limits
 from balance_diagnosis.extended import Extended
 from balance_diagnosis.held_out import Curve, Gain, curves, gains
-from balance_diagnosis.inputs import check_records, check_response
+from balance_diagnosis.inputs import (
+    check_holdout,
+    check_prediction,
+    check_records,
+    check_response,
+)
 from balance_diagnosis.intervals import Estimate, estimates
 from balance_diagnosis.model import Model, Prediction
 from balance_diagnosis.noise import Scenery, estimate, spikes
@@ -94,7 +99,9 @@ def diagnose(
     where model or records are used wrongly.
     """
     check_records(fit, holdout)
+    check_holdout(model, holdout, constants)
     problem = Problem(model, fit, constants)
+    check_prediction(problem)
     check_response(problem)
     x = nominal_fit(problem)
     problem.reduce((), x)

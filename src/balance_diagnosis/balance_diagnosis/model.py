@@ -23,8 +23,13 @@ class Values(dict[str, float]):
     def __getattr__(self, name: str) -> float:
         try:
             return self[name]
-        except KeyError:
-            raise AttributeError(f"the model has no parameter '{name}'") from None
+        except BenchError as error:
+            raise AttributeError(str(error)) from None
+
+    def __missing__(self, name: str) -> float:
+        raise BenchError(
+            f"there is no '{name}' among the model's numbers; there are {_listed(self)}"
+        )
 
 
 @dataclass(frozen=True)

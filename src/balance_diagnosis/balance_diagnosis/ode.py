@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
@@ -54,13 +55,24 @@ def ode(
         try:
             made = march(start, u, np.diff(record.times), numbers)
         except NumbaError as error:
-            text = next((line for line in str(error).splitlines() if line.strip()), "")
-            raise BenchError(f"numba cannot compile '{rhs.__name__}': {text.strip()}") from None
+            raise BenchError(f"numba cannot compile '{rhs.__name__}': {_reason(error)}") from None
         x = Values(zip(states, made.T, strict=True))
         found = dict(observe(x, record, p))
         return {**{f"state {name}": x[name] for name in states}, **found}
 
+    predict.states = tuple(states)  # type: ignore[attr-defined]
     return predict
+
+
+def _reason(error: NumbaError) -> str:
+    """Return the line of a compiler's message that says what is wrong, in words of the user."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    for line in lines:
+        unknown = re.search(r"Unknown attribute '(\w+)' of type Numbers", line)
+        if unknown:
+            return f"there is no '{unknown[1]}' among the model's numbers"
+    telling = [line for line in lines if not line.startswith(("Failed in nopython", "File", "-"))]
+    return (telling or lines or ["unknown"])[0]
 
 
 def _frozen(names: tuple[str, ...]) -> Any:

@@ -204,9 +204,12 @@ class Problem:
         for key, output in made.outputs.items():
             if not np.all(np.isfinite(output)):
                 at = int(np.argmax(~np.isfinite(output)))
+                gaps = [c for c in record.channels if np.isnan(record[c][: at + 1]).any()]
+                gaps = [c for c in gaps if c not in made.outputs]
+                why = f": channel '{gaps[0]}', which it reads, has a gap there" if gaps else ""
                 raise BenchError(
                     f"the model's '{key}' is {output[at]} at sample {at} of record '{record.name}',"
-                    " at its nominal values"
+                    f" at its nominal values{why}"
                 )
         return made
 

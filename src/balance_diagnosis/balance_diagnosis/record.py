@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -139,16 +140,46 @@ class Record:
 
 
 def _table(path: Path) -> dict[str, np.ndarray]:
-    if not path.is_file():
-        raise BenchError(f"there is no file '{path}'")
+    """Return the columns of a file. BenchError names the line of what is no number."""
     try:
-        read = np.genfromtxt(path, delimiter=",", names=True, encoding="utf-8-sig", deletechars="")
-    except (ValueError, UnicodeDecodeError) as error:
-        text = " ".join(str(error).split())
-        raise BenchError(f"'{path}' cannot be read as comma separated numbers: {text}") from None
-    if read.dtype.names is None or read.ndim != 1:
+        with path.open(encoding="utf-8-sig", newline="") as opened:
+            lines = [(number, row) for number, row in enumerate(csv.reader(opened), 1) if row]
+    except FileNotFoundError:
+        raise BenchError(f"there is no file '{path}'") from None
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise BenchError(f"'{path}' cannot be read as comma separated text: {error}") from None
+    if len(lines) < 2:
         raise BenchError(f"'{path}' has no header line with names, or no lines below it")
-    return {column: np.asarray(read[column], float) for column in read.dtype.names}
+    names = [cell.strip() for cell in lines[0][1]]
+    other = next((sign for sign in (";", "\t", "|") if sign in lines[0][1][0]), None)
+    if len(names) == 1 and other:
+        raise BenchError(
+            f"'{path}' is separated by {other!r}, not by commas: save it with commas and decimal "
+            "points, or read it otherwise and give Record(times, channels)"
+        )
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise BenchError(f"'{path}' has the column '{twice[0]}' twice: rename one")
+    values = np.full((len(lines) - 1, len(names)), np.nan)
+    for at, (number, row) in enumerate(lines[1:]):
+        if len(row) != len(names):
+            raise BenchError(
+                f"'{path}', line {number}: {len(row)} cells, and the header has {len(names)} names"
+            )
+        for k, cell in enumerate(row):
+            values[at, k] = _number(cell, f"'{path}', line {number}, column '{names[k]}'")
+    return dict(zip(names, values.T.copy(), strict=True))
+
+
+def _number(cell: str, where: str) -> float:
+    if not cell.strip():
+        return np.nan
+    try:
+        return float(cell)
+    except ValueError:
+        raise BenchError(
+            f"{where}: '{cell.strip()}' is no number; leave the cell empty where there is none"
+        ) from None
 
 
 def _column(table: Mapping[str, np.ndarray], column: str, path: Path) -> np.ndarray:

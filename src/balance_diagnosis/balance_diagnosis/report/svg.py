@@ -132,6 +132,6 @@ def _path(box: _Box, line: Line, x: np.ndarray, y: np.ndarray) -> str:
 
 def _legend(lines: Sequence[Line]) -> str:
     spans = "".join(
-        f"<tspan fill='{line.colour}' dx='14'>— {html.escape(line.name)}</tspan>" for line in lines
+        f"<tspan fill='{line.colour}'>\u2003— {html.escape(line.name)}</tspan>" for line in lines
     )
     return f"<text x='{WIDTH - RIGHT}' y='16' class='n e'>{spans}</text>"
