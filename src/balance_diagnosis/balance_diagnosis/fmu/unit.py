@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import shutil
 import tempfile
+import weakref
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -38,13 +40,15 @@ class Unit:
             raise BalanceError(f"there is no file '{path}'")
         self.messages: deque[str] = deque(maxlen=KEPT)
         try:
-            self.description = fmpy.read_model_description(str(path), validate=False)
-            platforms = fmpy.supported_platforms(str(path))
+            with path.open("rb") as opened:
+                self.description = fmpy.read_model_description(opened, validate=False)
+                platforms = fmpy.supported_platforms(opened)
         except Exception as error:
             raise BalanceError(f"'{path}' is no FMU that can be read: {_line(error)}") from None
         self._check(fmpy, platforms)
-        self._folder = tempfile.TemporaryDirectory(prefix="fmu-")
-        fmpy.extract(str(path), unzipdir=self._folder.name)
+        self._folder = tempfile.mkdtemp(prefix="fmu-")
+        weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        fmpy.extract(str(path), unzipdir=self._folder)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.cosimulation = self.description.coSimulation is not None
         self._third = self.description.fmiVersion.startswith("3")
@@ -127,7 +131,7 @@ class Unit:
         from fmpy.simulation import instantiate_fmu
 
         self._instance = instantiate_fmu(
-            self._folder.name,
+            self._folder,
             self.description,
             "CoSimulation" if self.cosimulation else "ModelExchange",
             logger=lambda *told: self.messages.append(_text(told[-1])),
@@ -200,7 +204,7 @@ class Unit:
         kinds = [("time", float), *((name, float) for name in inputs)]
         signals = np.array(list(zip(times, *inputs.values(), strict=True)), kinds)
         made = simulate_fmu(
-            self._folder.name,
+            self._folder,
             validate=False,
             fmi_type="ModelExchange",
             start_time=0.0,
