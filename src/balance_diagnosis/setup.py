@@ -14,6 +14,7 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["numpy", "scipy", "numba"],
+    extras_require={"fmu": ["fmpy", "PyYAML"]},
     python_requires=">=3.11",
     zip_safe=False,
     maintainer="Steering bench maintainers",

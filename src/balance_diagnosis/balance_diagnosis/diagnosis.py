@@ -58,6 +58,11 @@ class Diagnosis:
     calls: int
     failures: dict[str, int]
 
+    def __str__(self) -> str:
+        from balance_diagnosis.report.words import sentence
+
+        return f"{self.verdict.word}. {sentence(self)}"
+
     @property
     def causes(self) -> dict[str, dict[str, Estimate]]:
         """The causes of the best set with their numbers, named or not."""

@@ -29,6 +29,9 @@ class Estimate:
     high: float
     record: str = ""
 
+    def __str__(self) -> str:
+        return f"{self.value:.4g}, 95 % within {self.low:.4g} to {self.high:.4g}"
+
 
 def estimates(criterion: Criterion, fit: Fit) -> list[Estimate]:
     """Return every coordinate of a fit as a number with its interval."""
@@ -39,7 +42,7 @@ def estimates(criterion: Criterion, fit: Fit) -> list[Estimate]:
     for i, slot in enumerate(slots):
         half = factor * float(np.sqrt(max(covariance[i, i], 0.0)))
         record = "" if slot.record is None else problem.records[slot.record].name
-        value, low, high = (slot.prior.value(fit.x[i] + d) for d in (0.0, -half, half))
+        value, low, high = (slot.prior.value(float(fit.x[i]) + d) for d in (0.0, -half, half))
         made.append(Estimate(slot.name, slot.cause, value, low, high, record))
     return made
 

@@ -92,14 +92,15 @@ def _march(rhs: Any, count: int, steps: int, held: bool) -> Any:
     @njit
     def march(start: Any, inputs: Any, periods: Any, p: Any) -> Any:
         n, m = inputs.shape
-        path, x, y = np.empty((n, count)), start.copy(), start.copy()
+        path, x, y = np.empty((n, count)), np.empty(count), np.empty(count)
         k, mean, u = np.empty(count), np.empty(count), np.empty(m)
-        path[0] = x
+        for i in range(count):  # Loops in place of slices compile in half the time.
+            path[0, i] = x[i] = start[i]
         for t in range(n - 1):
             h = periods[t] / steps
             for s in range(steps):
-                mean[:] = 0.0
-                y[:] = x
+                for i in range(count):
+                    mean[i], y[i] = 0.0, x[i]
                 for stage in range(4):
                     share = 0.0 if held else (s + AT[stage]) / steps
                     for i in range(m):
@@ -110,7 +111,8 @@ def _march(rhs: Any, count: int, steps: int, held: bool) -> Any:
                         y[i] = x[i] + h * NEXT[stage] * k[i]
                 for i in range(count):
                     x[i] += h * mean[i]
-            path[t + 1] = x
+            for i in range(count):
+                path[t + 1, i] = x[i]
         return path
 
     return march

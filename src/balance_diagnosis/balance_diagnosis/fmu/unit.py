@@ -278,16 +278,19 @@ def _compiled(dll: Any, third: bool) -> Any:
         for t in range(len(times)):
             for s in range(steps if t else 0):
                 share = 0.0 if held else (s + 0.5) / steps
-                row[:] = driven[t - 1] + share * (driven[t] - driven[t - 1])
+                for k in range(len(drive)):
+                    row[k] = driven[t - 1, k] + share * (driven[t, k] - driven[t - 1, k])
                 size = (times[t] - times[t - 1]) / steps
                 worst = max(put_in(c, drive, row), step(c, times[t - 1] + s * size, size))
                 if worst > 1:
                     return t, worst
-            row[:] = driven[t]
+            for k in range(len(drive)):
+                row[k] = driven[t, k]
             worst = max(put_in(c, drive, row), get_out(c, told, made))
             if worst > 1:
                 return t, worst
-            path[t] = made
+            for k in range(len(told)):
+                path[t, k] = made[k]
         return len(times) - 1, worst
 
     return march
