@@ -77,7 +77,7 @@ def sliding(sliding_file, folder):
     return bound(sliding_file, folder)
 
 
-def pushed(seed, samples=1500):
+def pushed(seed, samples=800):
     """Return a record of a push [N] with an empty speed."""
     draw = np.random.default_rng(seed)
     times = 0.01 * np.arange(samples)

@@ -107,7 +107,7 @@ def test_the_page_tells_verdict_sizes_reasons_records_and_call(written, diagnosi
     text = " ".join(read((written / "page.html").read_text("utf-8")).text)
     verdict = diagnosis.verdict
     assert verdict.named == (f"offset {HOSTILE}",)
-    told = words.size(diagnosis.causes[verdict.named[0]]["offset"], MODEL.units)
+    told = words.size(diagnosis.causes[verdict.named[0]]["offset"], MODEL)
     assert told in text
     for cause in ("drag", "spring"):
         assert cause in text
@@ -285,3 +285,12 @@ def test_numbers_are_written_as_people_do():
     ]  # fmt: skip
     assert words.probability(0.9999999) == "above 0.999"
     assert words.percent(0.99999) == "above 99.9 %"
+
+
+def test_a_number_at_its_bound_is_said_so():
+    from balance_diagnosis.intervals import Estimate
+
+    cause = next(iter(MODEL.causes))
+    assert words.size(Estimate("offset", cause, 20.0, 15.0, 20.0), MODEL).endswith("at its bound")
+    assert "at its bound" not in words.size(Estimate("offset", cause, 0.0, -1.0, 1.0), MODEL)
+    assert "at its bound" not in words.size(Estimate("offset", cause, 19.0, 15.0, 20.0), MODEL)

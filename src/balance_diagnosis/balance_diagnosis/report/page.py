@@ -88,7 +88,8 @@ def _named(diagnosis: Diagnosis) -> list[str]:
                     words.probability(verdict.probability[cause]),
                     e.name,
                     words.quantity(e.value, unit),
-                    f"{words.number(e.low)} to {words.quantity(e.high, unit)}",
+                    f"{words.number(e.low)} to {words.quantity(e.high, unit)}"
+                    + (", at its bound" if words.at_bound(e, diagnosis.model) else ""),
                 )
             )
     if not rows:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from balance_diagnosis.diagnosis import Diagnosis
 from balance_diagnosis.intervals import Estimate
+from balance_diagnosis.model import Model
 from balance_diagnosis.remaining import Band
 from balance_diagnosis.verdicts import (
     AMBIGUOUS,
@@ -51,6 +52,9 @@ GLOSSARY = {
 """Words of the page and what they mean."""
 
 
+BOUND = 1e-4
+"""Share of a number's bounds within which it stands at one of them."""
+
 PLAIN = 1e6
 """Up to here a number is written without an exponent."""
 
@@ -88,13 +92,25 @@ def probability(value: float) -> str:
     return "below 0.001" if value < 0.001 else f"{value:.3f}"
 
 
-def size(estimate: Estimate, units: Mapping[str, str]) -> str:
+def size(estimate: Estimate, model: Model) -> str:
     """Return a number of a cause with its interval: "offset 3.1 N, 95 % within 2.9 to 3.3 N"."""
-    unit = units.get(estimate.name, "")
-    return (
+    unit = model.units.get(estimate.name, "")
+    told = (
         f"{estimate.name} {quantity(estimate.value, unit)}, 95 % within {number(estimate.low)} to "
         f"{quantity(estimate.high, unit)}"
     )
+    return told + (", at its bound" if at_bound(estimate, model) else "")
+
+
+def at_bound(estimate: Estimate, model: Model) -> bool:
+    """Return whether a number of a cause lies at an end of its bounds where it is not off."""
+    numbers = model.causes[estimate.cause].numbers if estimate.cause in model.causes else ()
+    for n in numbers:
+        if n.name == estimate.name:
+            near = BOUND * (n.high - n.low)
+            ends = [end for end in (n.low, n.high) if abs(end - n.off) > near]
+            return any(abs(estimate.value - end) <= near for end in ends)
+    return False
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
@@ -148,9 +164,9 @@ def left(band: Band, unit: str) -> str:
 
 
 def _sized(diagnosis: Diagnosis, causes: Sequence[str]) -> str:
-    units, found = diagnosis.model.units, diagnosis.causes
+    model, found = diagnosis.model, diagnosis.causes
     return "; ".join(
-        f"{cause} ({', '.join(size(e, units) for e in found.get(cause, {}).values())})"
+        f"{cause} ({', '.join(size(e, model) for e in found.get(cause, {}).values())})"
         for cause in causes
     )
 
