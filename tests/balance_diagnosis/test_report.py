@@ -294,3 +294,12 @@ def test_a_number_at_its_bound_is_said_so():
     assert words.size(Estimate("offset", cause, 20.0, 15.0, 20.0), MODEL).endswith("at its bound")
     assert "at its bound" not in words.size(Estimate("offset", cause, 0.0, -1.0, 1.0), MODEL)
     assert "at its bound" not in words.size(Estimate("offset", cause, 19.0, 15.0, 20.0), MODEL)
+
+
+def test_an_interval_is_told_with_the_digits_that_it_is_worth():
+    from balance_diagnosis.intervals import Estimate
+
+    narrow = Estimate("spring", "spring", 12.00412, 11.99817, 12.01007)
+    assert words.spread(narrow, "N/m") == ("12.004 N/m", "11.998 to 12.01 N/m")
+    assert words.spread(Estimate("spring", "", 3.1, 2.0, 4.2), "") == ("3.1", "2 to 4.2")
+    assert words.spread(Estimate("spring", "", 5.0, 5.0, 5.0), "")[1] == "5 to 5"

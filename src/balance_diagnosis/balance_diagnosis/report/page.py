@@ -80,16 +80,15 @@ def _named(diagnosis: Diagnosis) -> list[str]:
     rows = []
     for cause, numbers in diagnosis.causes.items():
         for e in numbers.values():
-            unit = units.get(e.name, "")
+            value, span = words.spread(e, units.get(e.name, ""))
             rows.append(
                 (
                     cause,
                     said.get(cause, "probable"),
                     words.probability(verdict.probability[cause]),
                     e.name,
-                    words.quantity(e.value, unit),
-                    f"{words.number(e.low)} to {words.quantity(e.high, unit)}"
-                    + (", at its bound" if words.at_bound(e, diagnosis.model) else ""),
+                    value,
+                    span + (", at its bound" if words.at_bound(e, diagnosis.model) else ""),
                 )
             )
     if not rows:
@@ -231,14 +230,15 @@ def _parameters(diagnosis: Diagnosis) -> list[str]:
         if n.cause:
             continue
         unit = units.get(n.name, "")
+        value, span = words.spread(n, unit)
         name = f"{n.name}, start of '{n.record}'" if n.record else n.name
         plain = before.get((n.record, n.name))
         rows.append(
             (
                 name,
-                words.quantity(plain.value, unit) if plain else "",
-                words.quantity(n.value, unit),
-                f"{words.number(n.low)} to {words.quantity(n.high, unit)}",
+                words.spread(plain, unit)[0] if plain else "",
+                value,
+                span,
             )
         )
     if not rows:

@@ -55,6 +55,8 @@ GLOSSARY = {
 BOUND = 1e-4
 """Share of a number's bounds within which it stands at one of them."""
 
+MOST_DIGITS = 8
+
 PLAIN = 1e6
 """Up to here a number is written without an exponent."""
 
@@ -94,12 +96,20 @@ def probability(value: float) -> str:
 
 def size(estimate: Estimate, model: Model) -> str:
     """Return a number of a cause with its interval: "offset 3.1 N, 95 % within 2.9 to 3.3 N"."""
-    unit = model.units.get(estimate.name, "")
-    told = (
-        f"{estimate.name} {quantity(estimate.value, unit)}, 95 % within {number(estimate.low)} to "
-        f"{quantity(estimate.high, unit)}"
-    )
+    value, span = spread(estimate, model.units.get(estimate.name, ""))
+    told = f"{estimate.name} {value}, 95 % within {span}"
     return told + (", at its bound" if at_bound(estimate, model) else "")
+
+
+def spread(estimate: Estimate, unit: str) -> tuple[str, str]:
+    """Return a value and its interval with as many digits as the interval's width is worth."""
+    width, largest = estimate.high - estimate.low, max(abs(estimate.low), abs(estimate.high))
+    digits = 3
+    if width > 0.0 and math.isfinite(largest):
+        digits = min(max(digits, 2 + math.floor(math.log10(largest / width))), MOST_DIGITS)
+    value, low, high = (number(v, digits) for v in (estimate.value, estimate.low, estimate.high))
+    end = f" {unit}" if unit else ""
+    return value + end, f"{low} to {high}{end}"
 
 
 def at_bound(estimate: Estimate, model: Model) -> bool:
