@@ -47,6 +47,8 @@ MODEL = Model(
         "upper tank leaks": {"leak": (0.0, 0.0, 0.02)},
         "lower tank leaks": {"drip": (0.0, 0.0, 0.02)},
     },
+    units=dict.fromkeys(("brim", "lost_brim", "clamp", "offset", "upper", "lower"), "V"),
+    name="cascaded tanks",
 )
 
 

@@ -43,6 +43,14 @@ MODEL = Model(
         "friction along the screw": {"along": (0.0, -1000.0, 1000.0)},
         "spring": {"spring": (0.0, -1000.0, 1000.0)},
     },
+    units={
+        "mass": "kg",
+        "viscous": "N s/m",
+        "by_direction": "N s/m",
+        "coulomb": "N",
+        "offset": "N",
+    },
+    name="electro-mechanical axis",
 )
 
 

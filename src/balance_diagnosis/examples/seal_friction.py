@@ -39,6 +39,8 @@ MODEL = Model(
         "load cell is not linear": {"curve": (0.0, -2.0, 2.0)},
         "pressure sensor is late": {"delay": (0.0, -0.3, 0.3)},
     },
+    units={"area": "N/bar", "by_pressure": "N/bar", "coulomb": "N", "offset": "N", "delay": "s"},
+    name="seal friction",
 )
 
 
