@@ -1,6 +1,7 @@
 """Bad input: one clear line that names the thing, the place and what to do."""
 
 import math
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -107,7 +108,7 @@ def test_a_prediction_that_is_none_is_refused(kind):
     assert told in refusal(lambda: diagnose(model(predict), fit=[record()]))
 
 
-MODELS = {
+MODELS: dict[str, tuple[dict[str, Any], str]] = {
     "no causes": ({"causes": {}}, "the model has no causes"),
     "a cause without numbers": ({"causes": {"leak": {}}}, "cause 'leak' has no numbers"),
     "a cause of two numbers": (
@@ -181,7 +182,7 @@ RECORDS = {
         "fit and holdout are lists of records: write fit=[record]",
     ),
     "something else": (
-        lambda: diagnose(model(), fit=[np.zeros(100)]),
+        lambda: diagnose(model(), fit=cast(Any, [np.zeros(100)])),
         "fit and holdout hold records, not ndarray",
     ),
     "the same bytes under two names": (
@@ -241,7 +242,7 @@ def test_a_start_that_is_no_state_is_told_with_the_states():
     def predict(p, r):
         return {"y": p.gain * r["u"] + p.get("level", 0.0) + p.offset}
 
-    predict.states = ("level",)  # as those of ode() have them
+    setattr(predict, "states", ("level",))  # noqa: B010 - as those of ode() have them
     text = refusal(
         lambda: diagnose(model(predict, starts={"levle": between(0.0, 1.0)}), fit=[record()])
     )
@@ -254,7 +255,10 @@ def test_a_number_that_equations_do_not_have_is_told_by_its_name():
     def rates(x, u, p):
         return (u[0] - p.gian * x[0],)
 
-    predict = ode(rates, lambda x, r, p: {"y": x.level}, states=("level",), inputs=("u",))
+    def seen(x, r, p):
+        return {"y": x.level}
+
+    predict = ode(rates, seen, states=("level",), inputs=("u",))
     text = refusal(lambda: diagnose(model(predict), fit=[record()]))
     assert text == "numba cannot compile 'rates': there is no 'gian' among the model's numbers"
 

@@ -49,7 +49,7 @@ def test_the_page_on_ones_own_machine(elsewhere, capsys):
     assert after < 0.2 * before
     assert left["both"].verdict.named == ("heat is radiated",)
     assert left["blind"].gains[0].extended > 1.3 * diagnosis.gains[0].extended
-    shown = re.search(r"```\n(named\. .*)\n```", page.read_text("utf-8"))[1]
+    (shown,) = re.findall(r"```\n(named\. .*)\n```", page.read_text("utf-8"))
     assert alike(shown, said.splitlines()[0])
     rows = (elsewhere / "monday.csv").read_text().splitlines()
     assert "\n".join(rows[:3]) in page.read_text("utf-8")
@@ -58,7 +58,7 @@ def test_the_page_on_ones_own_machine(elsewhere, capsys):
 
 def test_the_quick_start(elsewhere):
     page = ROOT / "src" / "balance_diagnosis" / "README.md"
-    block = re.search(r"```python\n(.*?)```", page.read_text("utf-8"), re.DOTALL)[1]
+    (block,) = re.findall(r"```python\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
     assert len(block.splitlines()) <= 32
     diagnosis = followed(page)["diagnosis"]
     assert diagnosis.verdict.named == ("drag",)

@@ -1,8 +1,9 @@
 """``steer diagnose --model``: an FMU of any machine, on the files that the bench reads."""
 
 import json
-import sys
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from steering_diagnosis.data.any_machine import load_any_mapping, read_any
 EXAMPLES = Path(__file__).parents[2] / "src" / "balance_diagnosis" / "examples" / "fmu"
 FORCE_PER_KILONEWTON = 1e3
 
-BINDING = {
+BINDING: dict[str, Any] = {
     "schema": 1,
     "name": "axis",
     "inputs": {"x": "x", "v": "v", "a": "a", "sign": "sign"},
@@ -59,12 +60,10 @@ def bound(folder, **data):
     return file
 
 
-def test_the_command_names_the_cause_and_writes_its_files(tmp_path, capsys):
-    pytest.importorskip("fmpy", reason="FMPy is not installed")
-    sys.path.append(str(EXAMPLES))
-    from make import make
-
-    given = ["--model", str(make("emps_axis", tmp_path)), "--mapping", str(bound(tmp_path))]
+def test_the_command_names_the_cause_and_writes_its_files(tmp_path, capsys, monkeypatch):
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    fmu = import_module("make").make("emps_axis", tmp_path)
+    given = ["--model", str(fmu), "--mapping", str(bound(tmp_path))]
     data, held = (str(measured(tmp_path / f"{day}.csv", k)) for k, day in enumerate("ab"))
     out = tmp_path / "out"
     assert main(["diagnose", data, *given, "--holdout", held, "--out", str(out)]) == 0

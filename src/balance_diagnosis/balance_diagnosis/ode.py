@@ -56,7 +56,7 @@ def ode(
             made = march(start, u, np.diff(record.times), numbers)
         except NumbaError as error:
             raise BenchError(f"numba cannot compile '{rhs.__name__}': {_reason(error)}") from None
-        x = Values(zip(states, made.T, strict=True))
+        x: Any = Values(zip(states, made.T, strict=True))
         found = dict(observe(x, record, p))
         return {**{f"state {name}": x[name] for name in states}, **found}
 

@@ -82,7 +82,7 @@ def toleranced(
     """
     if (share is None) == (plus_minus is None):
         raise BenchError(f"toleranced({nominal:g}): give a share, or plus_minus, and not both")
-    tolerance = abs(nominal) * share if share is not None else plus_minus
+    tolerance = abs(nominal) * share if share is not None else float(plus_minus or 0.0)
     _finite(nominal, tolerance)
     if not tolerance > 0.0:
         raise BenchError(f"toleranced({nominal:g}): its tolerance has to be above zero")
@@ -94,7 +94,7 @@ def toleranced(
     return Prior(float(nominal), 0.5 * tolerance, float(a), float(b))
 
 
-def _finite(*values: float | None) -> None:
+def _finite(*values: float) -> None:
     for value in values:
-        if value is None or not math.isfinite(value):
+        if not math.isfinite(value):
             raise BenchError(f"a parameter's bound, value or tolerance is {value}, not a number")

@@ -131,9 +131,9 @@ class Record:
                         f"record '{self.name}': a {what} is given for '{key}', which is no channel;"
                         f" there are {self._listed()}"
                     )
-        for key, value in self.noise.items():
-            if not value >= 0.0:
-                raise BenchError(f"record '{self.name}': the noise of '{key}' is {value}")
+        for key, noise in self.noise.items():
+            if not noise >= 0.0:
+                raise BenchError(f"record '{self.name}': the noise of '{key}' is {noise}")
 
     def _listed(self) -> str:
         return ", ".join(f"'{key}'" for key in sorted(self.channels))

@@ -187,8 +187,8 @@ class Unit:
         component = getattr(component, "value", component)
         at, status = self._march(component, times, drive, driven, told, path, held, steps)
         if status > ACCEPTED:
-            told = f"with status {status}{self._said()}"
-            raise BalanceError(f"FMU '{self.path.name}' fails at {times[at]:g} s {told}")
+            why = f"with status {status}{self._said()}"
+            raise BalanceError(f"FMU '{self.path.name}' fails at {times[at]:g} s {why}")
         return path
 
     def _exchanged(
@@ -298,7 +298,7 @@ def _compiled(dll: Any, third: bool) -> Any:
 
 def _function(dll: Any, name: str, result: Any, *arguments: Any) -> Any:
     """Return a function of the FMU with plain types, as compiled code calls it."""
-    address = ctypes.cast(getattr(dll, name), ctypes.c_void_p).value
+    address = ctypes.cast(getattr(dll, name), ctypes.c_void_p).value or 0
     return ctypes.CFUNCTYPE(result, *arguments)(address)
 
 

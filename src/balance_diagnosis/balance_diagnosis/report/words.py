@@ -57,6 +57,9 @@ BOUND = 1e-4
 
 MOST_DIGITS = 8
 
+UNEVEN = 0.2
+"""Share of the energy in one tenth of a record from which it is told where that is."""
+
 PLAIN = 1e6
 """Up to here a number is written without an exponent."""
 
@@ -166,10 +169,14 @@ def left(band: Band, unit: str) -> str:
         if band.share <= 1.0
         else "more than the nominal model's error"
     )
+    where = (
+        f"{percent(band.part)} of it between {number(band.start)} and {number(band.stop)} s"
+        if band.part > UNEVEN
+        else "spread over the whole record"
+    )
     return (
         f"{quantity(band.rms, unit)} rms, {kept}; its middle half lies between "
-        f"{number(band.low)} and {number(band.high)} Hz; most of it between {number(band.start)} "
-        f"and {number(band.stop)} s ({percent(band.part)} in that tenth of the record)"
+        f"{number(band.low)} and {number(band.high)} Hz; {where}"
     )
 
 
