@@ -97,6 +97,10 @@ PREDICTIONS = {
         lambda p, r: {"y": 2.0 * r["u"] + p.offset},
         "no output depends on any parameter ('gain'): does predict use p?",
     ),
+    "complex": (
+        lambda p, r: {"y": 1j * p.gain * r["u"]},
+        "predict returned 'y' with complex numbers: return real ones",
+    ),
     "random": (random_line, "predict returns another 'y' each time it is called"),
     "changes the record": (greedy, "predict changes the channels of record 'run'"),
 }
@@ -122,6 +126,15 @@ MODELS: dict[str, tuple[dict[str, Any], str]] = {
     "bounds in the wrong order": (
         {"causes": {"leak": {"leak": (0.0, 1.0, -1.0)}}},
         "cause 'leak', 'leak': no bounds: 1 to -1",
+    ),
+    "a list of causes": (
+        {"causes": ["leak"]},
+        "causes is a list; give names with what they hold: {'name': {'size': (off, low, high)}}",
+    ),
+    "a list of parameters": ({"parameters": ["gain"]}, "parameters is a list; give names"),
+    "a name that is a number": (
+        {"causes": {"leak": {3: (0.0, -1.0, 1.0)}}},
+        "'3' of cause 'leak' is no name that p.NAME could have",
     ),
     "a number twice": (
         {"causes": {"leak": {"gain": (0.0, -1.0, 1.0)}}},
@@ -154,6 +167,7 @@ PRIORS = {
     "no tolerance": (lambda: toleranced(2.0, 0.0), "its tolerance has to be above zero"),
     "a share of nothing": (lambda: toleranced(0.0, 0.1), "its tolerance has to be above zero"),
     "no number": (lambda: toleranced(math.nan, 0.1), "not a number"),
+    "a text": (lambda: between(cast(Any, "low"), 2.0), "is low, not a number"),
 }
 
 
@@ -180,6 +194,10 @@ RECORDS = {
     "a record in place of a list": (
         lambda: diagnose(model(), fit=record()),
         "fit and holdout are lists of records: write fit=[record]",
+    ),
+    "no model": (
+        lambda: diagnose(cast(Any, line), fit=[record()]),
+        "give diagnose a Model, not function: Model(predict, ...)",
     ),
     "something else": (
         lambda: diagnose(model(), fit=cast(Any, [np.zeros(100)])),
@@ -222,6 +240,23 @@ def test_a_hold_out_that_was_fitted_is_refused_with_its_share():
     assert text == (
         "100% of the hold-out 'end' are samples of 'run', which is fitted: hold out other data"
     )
+
+
+def test_a_hold_out_of_the_same_samples_with_another_channel_beside_them_is_refused():
+    more = record(name="more", force=np.zeros(COUNT))
+    text = refusal(lambda: diagnose(model(), fit=[record()], holdout=[more]))
+    assert text.startswith("100% of the hold-out 'more' are samples of 'run'")
+
+
+def test_another_run_of_the_same_input_may_be_held_out():
+    again = record(name="again")
+    again.channels["y"] += 0.01 * np.random.default_rng(5).standard_normal(COUNT)
+    assert diagnose(model(), fit=[record()], holdout=[again]).gains[1].held_out
+
+
+def test_records_may_come_from_a_generator_and_no_hold_out_may_be_none():
+    found = diagnose(model(), fit=(r for r in [record()]), holdout=cast(Any, None))
+    assert [gain.record for gain in found.gains] == ["run"]
 
 
 def test_a_gap_in_an_input_is_told_with_its_channel():
@@ -282,6 +317,18 @@ ARRAYS = {
         lambda: Record(np.arange(60.0), {"y": np.zeros(60)}, {"Y": "m"}),
         "a unit is given for 'Y', which is no channel; there are 'y'",
     ),
+    "texts": (
+        lambda: Record(np.arange(60.0), {"y": np.array(["a"] * 60)}),
+        "record 'record', 'y': no numbers: could not convert string to float",
+    ),
+    "channels without names": (
+        lambda: Record(np.arange(60.0), cast(Any, [np.zeros(60)])),
+        "record 'record': channels is a list; give {'name': values}",
+    ),
+    "times side by side": (
+        lambda: Record(np.zeros((60, 2)), {"y": np.zeros(60)}),
+        "record 'record': times have shape (60, 2), not (n,)",
+    ),
     "a negative noise": (
         lambda: Record(np.arange(60.0), {"y": np.zeros(60)}, noise={"y": -1.0}),
         "the noise of 'y' is -1.0",
@@ -335,3 +382,9 @@ def test_a_constant_that_does_not_exist_is_refused():
     from balance_diagnosis.constants import DEFAULT
 
     assert "there is no constant 'fact'" in refusal(lambda: DEFAULT.scaled("fact", 2.0))
+
+
+def test_a_record_without_noise_is_diagnosed():
+    exact = record()
+    exact.channels["y"] = 2.1 * exact["u"] + 3.0
+    assert diagnose(model(), fit=[exact]).verdict.named == ("offset",)

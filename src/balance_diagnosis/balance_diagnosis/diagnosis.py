@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ from balance_diagnosis.extended import Extended
 from balance_diagnosis.held_out import Curve, Gain, curves, gains
 from balance_diagnosis.inputs import (
     check_holdout,
+    check_model,
     check_prediction,
     check_records,
     check_response,
@@ -94,8 +95,8 @@ class Diagnosis:
 
 def diagnose(
     model: Model,
-    fit: Sequence[Record],
-    holdout: Sequence[Record] = (),
+    fit: Iterable[Record],
+    holdout: Iterable[Record] = (),
     constants: Constants = DEFAULT,
 ) -> Diagnosis:
     """Name what a model gets wrong about the records ``fit``.
@@ -103,6 +104,9 @@ def diagnose(
     holdout: records that only tell what the extended model gains; they select nothing. BenchError
     where model or records are used wrongly.
     """
+    check_model(model)
+    if not isinstance(fit, Record) and not isinstance(holdout, Record):
+        fit, holdout = tuple(fit or ()), tuple(holdout or ())
     check_records(fit, holdout)
     check_holdout(model, holdout, constants)
     problem = Problem(model, fit, constants)

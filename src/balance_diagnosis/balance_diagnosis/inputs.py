@@ -27,6 +27,14 @@ SHARED = 0.02
 """Share of such runs of a hold-out record from which it overlaps."""
 
 
+def check_model(model: Model) -> None:
+    """Refuse what is no model."""
+    if not isinstance(model, Model):
+        raise BalanceError(
+            f"give diagnose a Model, not {type(model).__name__}: Model(predict, ...)"
+        )
+
+
 def check_records(fit: Sequence[Record], holdout: Sequence[Record]) -> None:
     """Refuse no records, one name or the same bytes twice, and a hold-out that was fitted."""
     if isinstance(fit, Record) or isinstance(holdout, Record):
@@ -61,19 +69,28 @@ def check_records(fit: Sequence[Record], holdout: Sequence[Record]) -> None:
 
 
 def _overlap(record: Record, held: Record) -> float:
-    """Return the share of runs of a record that another has as well."""
-    if set(record.channels) != set(held.channels):
+    """Return the share of runs of a record that another has as well, in the channels of both."""
+    shared = sorted(set(record.channels) & set(held.channels))
+    if not shared:
         return 0.0
-    known = set(_runs(record))
-    runs = _runs(held)
-    return sum(run in known for run in runs) / max(len(runs), 1)
+    known, runs = (_runs(np.stack([r[c] for c in shared], axis=1)) for r in (record, held))
+    return float(np.isin(runs, known).mean()) if len(runs) else 0.0
 
 
-def _runs(record: Record) -> list[bytes]:
-    rows = np.ascontiguousarray(record.rows())
+def _runs(rows: np.ndarray) -> np.ndarray:
+    """Return a hash of each run of samples that moves, (runs,) of 64 bits."""
+    if len(rows) < RUN:
+        return np.zeros(0, np.uint64)
     moves = np.any(np.nan_to_num(np.diff(rows, axis=0)) != 0.0, axis=1)
     moving = np.convolve(moves, np.ones(RUN - 1), "valid") >= RUN // 2
-    return [rows[i : i + RUN].tobytes() for i in np.flatnonzero(moving)]
+    draw = np.random.default_rng(0)
+    odd = [draw.integers(2**63, size=n, dtype=np.uint64) * 2 + 1 for n in (rows.shape[1], RUN)]
+    bits = np.ascontiguousarray(rows).view(np.uint64)
+    one = (bits ^ (bits >> np.uint64(29))) * odd[0]
+    each = (one ^ (one >> np.uint64(32))).sum(axis=1, dtype=np.uint64)
+    count = len(rows) - RUN + 1
+    run = sum((each[k : k + count] * odd[1][k] for k in range(RUN)), np.zeros(count, np.uint64))
+    return run[moving]
 
 
 def check_holdout(model: Model, holdout: Sequence[Record], constants: Constants) -> None:

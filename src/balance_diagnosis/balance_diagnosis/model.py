@@ -83,12 +83,15 @@ class Model:
     ) -> None:
         self.predict = predict
         self.units, self.name = dict(units or {}), name
-        self.parameters = dict(parameters)
+        self.parameters = dict(_named(parameters, "parameters", "between(0.5, 2.0)"))
         self.starts: dict[str, Prior | None] = (
-            dict(starts) if isinstance(starts, Mapping) else dict.fromkeys(starts)
+            dict(starts)
+            if isinstance(starts, Mapping)
+            else dict.fromkeys((starts,) if isinstance(starts, str) else starts)
         )
-        self.outputs = tuple(outputs)
-        self.causes = {name: _cause(name, numbers) for name, numbers in causes.items()}
+        self.outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        catalogue = _named(causes, "causes", "{'size': (off, low, high)}")
+        self.causes = {name: _cause(name, numbers) for name, numbers in catalogue.items()}
         self._off = {n.name: n.off for cause in self.causes.values() for n in cause.numbers}
         self._check()
 
@@ -136,6 +139,8 @@ class Model:
         return Prediction(outputs, arrays)
 
     def _array(self, key: str, value: Any, record: Record) -> np.ndarray:
+        if np.iscomplexobj(value):
+            raise BenchError(f"predict returned '{key}' with complex numbers: return real ones")
         array = np.asarray(value, float)
         if array.shape != (len(record),):
             raise BenchError(
@@ -154,7 +159,7 @@ class Model:
         groups |= {f"cause '{c.name}'": [n.name for n in c.numbers] for c in self.causes.values()}
         for owner, names in groups.items():
             for name in names:
-                if not name.isidentifier() or keyword.iskeyword(name):
+                if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
                     raise BenchError(f"'{name}' of {owner} is no name that p.NAME could have")
                 if name in owners:
                     raise BenchError(f"'{name}' is in {owners[name]} and in {owner}: rename one")
@@ -168,6 +173,14 @@ class Model:
                     f"parameter '{name}': give between(low, high) or toleranced(nominal, share), "
                     f"not {prior!r}"
                 )
+
+
+def _named(given: Any, what: str, entry: str) -> Mapping[str, Any]:
+    """Return what has names; BenchError for a list or the like."""
+    if not isinstance(given, Mapping):
+        kind = type(given).__name__
+        raise BenchError(f"{what} is a {kind}; give names with what they hold: {{'name': {entry}}}")
+    return given
 
 
 def _cause(name: str, numbers: Mapping[str, Sequence[float]]) -> Cause:

@@ -20,6 +20,9 @@ from balance_diagnosis.rows import Series
 SCALES = np.r_[0.0, 10.0 ** np.arange(-2.0, 3.0, 0.5)]
 """Of the functions' share over the noise's, as they are tried."""
 
+FINEST = 1e-6
+"""Of an output's deviation: no sensor resolves less, and a model without noise can be solved."""
+
 LEAST_SHARE = 1e-4
 """Of the error's deviation that the noise has at least: two solvers differ by as much."""
 
@@ -73,7 +76,8 @@ def estimate(
         )
         length = correlation_length(*s.spread_out(rest))
         told = problem.records[s.record].noise.get(s.output, 0.0) / np.sqrt(s.step)
-        least = max(told, LEAST_SHARE * float(residual[span].std()), 1e-150)
+        finest = FINEST * problem.scale[s.record, s.output]
+        least = max(told, LEAST_SHARE * float(residual[span].std()), finest)
         j, n = problem.outputs.index(s.output), len(s) / length
         samples[j] += n
         level[j] += n * s.step * max(variance * length, least**2)

@@ -82,8 +82,8 @@ def toleranced(
     """
     if (share is None) == (plus_minus is None):
         raise BenchError(f"toleranced({nominal:g}): give a share, or plus_minus, and not both")
+    _finite(nominal, *(v for v in (share, plus_minus, low, high) if v is not None))
     tolerance = abs(nominal) * share if share is not None else float(plus_minus or 0.0)
-    _finite(nominal, tolerance)
     if not tolerance > 0.0:
         raise BenchError(f"toleranced({nominal:g}): its tolerance has to be above zero")
     least = LEAST_SHARE * nominal if nominal > 0.0 else -np.inf
@@ -96,5 +96,5 @@ def toleranced(
 
 def _finite(*values: float) -> None:
     for value in values:
-        if not math.isfinite(value):
+        if not isinstance(value, int | float) or not math.isfinite(value):
             raise BenchError(f"a parameter's bound, value or tolerance is {value}, not a number")

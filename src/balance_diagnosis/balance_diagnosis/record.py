@@ -6,6 +6,7 @@ import csv
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,8 +33,12 @@ class Record:
         name: str = "record",
     ) -> None:
         self.name = name
-        self.times = np.asarray(times, float)
-        self.channels = {key: np.asarray(value, float) for key, value in channels.items()}
+        if not isinstance(channels, Mapping):
+            raise BenchError(
+                f"record '{name}': channels is a {type(channels).__name__}; give {{'name': values}}"
+            )
+        self.times = self._numbers("times", times)
+        self.channels = {key: self._numbers(key, value) for key, value in channels.items()}
         self.units = dict(units or {})
         self.noise = dict(noise or {})
         self._check()
@@ -94,6 +99,10 @@ class Record:
         to column; all columns under their own names where not given. Empty cells are NaN.
         """
         path = Path(path)
+        if not isinstance(time, str) and not time > 0.0:
+            raise BenchError(
+                f"'{path}': time is a column's name or a period above zero, not {time}"
+            )
         table = _table(path)
         wanted = channels or {c: c for c in table if c != time}
         times = (
@@ -104,9 +113,17 @@ class Record:
         found = {key: _column(table, column, path) for key, column in wanted.items()}
         return cls(times, found, units, noise, name or path.stem)
 
+    def _numbers(self, what: str, values: Any) -> np.ndarray:
+        try:
+            return np.asarray(values, float)
+        except (TypeError, ValueError) as error:
+            raise BenchError(f"record '{self.name}', '{what}': no numbers: {error}") from None
+
     def _check(self) -> None:
+        if self.times.ndim != 1:
+            raise BenchError(f"record '{self.name}': times have shape {self.times.shape}, not (n,)")
         n = len(self.times)
-        if self.times.ndim != 1 or n < LEAST_SAMPLES:
+        if n < LEAST_SAMPLES:
             raise BenchError(f"record '{self.name}' has {n} samples; {LEAST_SAMPLES} are the least")
         if not np.all(np.isfinite(self.times)) or np.any(np.diff(self.times) <= 0.0):
             at = int(np.argmax(~(np.diff(self.times) > 0.0)))
@@ -132,7 +149,7 @@ class Record:
                         f" there are {self._listed()}"
                     )
         for key, noise in self.noise.items():
-            if not noise >= 0.0:
+            if not isinstance(noise, int | float) or not noise >= 0.0:
                 raise BenchError(f"record '{self.name}': the noise of '{key}' is {noise}")
 
     def _listed(self) -> str:
