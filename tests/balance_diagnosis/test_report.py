@@ -11,7 +11,15 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from balance_diagnosis import BalanceError, Extended, Model, Record, diagnose, toleranced
+from balance_diagnosis import (
+    BalanceError,
+    Extended,
+    Model,
+    Record,
+    between,
+    diagnose,
+    toleranced,
+)
 from balance_diagnosis.plain_yaml import to_text
 from balance_diagnosis.report import words
 from balance_diagnosis.report.svg import Line, plot, reduce, ticks
@@ -303,3 +311,30 @@ def test_an_interval_is_told_with_the_digits_that_it_is_worth():
     assert words.spread(narrow, "N/m") == ("12.004 N/m", "11.998 to 12.01 N/m")
     assert words.spread(Estimate("spring", "", 3.1, 2.0, 4.2), "") == ("3.1", "2 to 4.2")
     assert words.spread(Estimate("spring", "", 5.0, 5.0, 5.0), "")[1] == "5 to 5"
+
+
+def test_an_extended_model_that_is_worse_is_said_to_be(diagnosis):
+    from dataclasses import replace
+
+    from balance_diagnosis.held_out import Gain
+
+    told = words.gained(diagnosis, {"force": "N"})
+    assert told.startswith("On held-out data the rms error of force falls from ")
+    assert told.endswith(" N.")
+    gains = (Gain("a", "force", 1.0, 0.9, True), Gain("b", "force", 1.0, 1.5, True))
+    worse = words.gained(replace(diagnosis, gains=gains), {"force": "N"})
+    assert worse == (
+        "On held-out data the rms error of force GROWS from 1 to 1.24 N (worse on 1 of 2 records)."
+    )
+
+
+def test_what_was_known_before_is_told_and_what_is_no_better_known():
+    from balance_diagnosis.intervals import Estimate
+
+    mass, wide = toleranced(95.0, 0.2), between(0.2, 20.0)
+    assert words.known(mass) == "95 ± 19"
+    assert words.known(wide) == "0.2 to 20"
+    assert not words.undetermined(Estimate("m", "", 95.0, 94.0, 96.0), mass)
+    assert words.undetermined(Estimate("m", "", 95.0, 77.0, 113.0), mass)
+    assert not words.undetermined(Estimate("k", "", 2.0, 1.0, 4.0), wide)
+    assert words.undetermined(Estimate("k", "", 2.0, 0.2, 20.0), wide)

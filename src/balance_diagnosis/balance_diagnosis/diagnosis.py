@@ -60,9 +60,11 @@ class Diagnosis:
     failures: dict[str, int]
 
     def __str__(self) -> str:
-        from balance_diagnosis.report.words import sentence
+        from balance_diagnosis.report.data import output_units
+        from balance_diagnosis.report.words import gained, sentence
 
-        return f"{self.verdict.word}. {sentence(self)}"
+        told = f"{self.verdict.word}. {sentence(self)} {gained(self, output_units(self))}"
+        return told.strip()
 
     @property
     def causes(self) -> dict[str, dict[str, Estimate]]:

@@ -27,6 +27,7 @@ def described(diagnosis: Diagnosis, rates: Any = None, call: str = "") -> dict[s
         "verdict": verdict.word,
         "meaning": words.MEANING[verdict.word],
         "sentence": words.sentence(diagnosis),
+        "gain": words.gained(diagnosis, output_units(diagnosis)),
         "named": list(verdict.named),
         "groups": [list(group) for group in verdict.groups],
         "candidates": list(verdict.candidates),
@@ -60,6 +61,14 @@ def described(diagnosis: Diagnosis, rates: Any = None, call: str = "") -> dict[s
         "model_calls": diagnosis.calls,
         "failed_calls": {**diagnosis.failures},
     }
+
+
+def output_units(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return channel to unit, as the records tell it."""
+    found: dict[str, str] = {}
+    for record in (*diagnosis.holdout, *diagnosis.fit):
+        found.update(record.units)
+    return found
 
 
 def called(diagnosis: Diagnosis) -> str:

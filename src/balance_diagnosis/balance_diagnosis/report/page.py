@@ -9,6 +9,7 @@ from typing import Any
 from balance_diagnosis.diagnosis import Diagnosis
 from balance_diagnosis.held_out import Curve
 from balance_diagnosis.report import words
+from balance_diagnosis.report.data import output_units
 from balance_diagnosis.report.style import STYLE
 from balance_diagnosis.report.svg import AFTER, BEFORE, INK, Line, plot
 from balance_diagnosis.verdicts import CLEAN, NAMED
@@ -35,6 +36,7 @@ def render(diagnosis: Diagnosis, told: dict[str, Any]) -> str:
             f"<title>{html.escape(title)}</title><style>{STYLE}</style></head><body>",
             f"<header class='{kind}'><h1>{html.escape(title)}</h1>",
             f"<p class='lead'>{html.escape(told['sentence'])}</p>",
+            f"<p>{html.escape(told['gain'])}</p>" if told["gain"] else "",
             f"<p>{html.escape(told['meaning'])}</p></header><main>",
             *_named(diagnosis),
             *_gains(diagnosis),
@@ -68,8 +70,7 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]], texts: int = 1) -
 
 
 def _unit(diagnosis: Diagnosis, output: str) -> str:
-    records = (*diagnosis.fit, *diagnosis.holdout)
-    return next((r.units[output] for r in records if output in r.units), "")
+    return output_units(diagnosis).get(output, "")
 
 
 def _named(diagnosis: Diagnosis) -> list[str]:
@@ -233,9 +234,13 @@ def _parameters(diagnosis: Diagnosis) -> list[str]:
         value, span = words.spread(n, unit)
         name = f"{n.name}, start of '{n.record}'" if n.record else n.name
         plain = before.get((n.record, n.name))
+        prior = diagnosis.model.parameters.get(n.name) or diagnosis.model.starts.get(n.name)
+        if prior and words.undetermined(n, prior):
+            span += ", not determined"
         rows.append(
             (
                 name,
+                words.known(prior) if prior else "nothing",
                 words.spread(plain, unit)[0] if plain else "",
                 value,
                 span,
@@ -243,7 +248,7 @@ def _parameters(diagnosis: Diagnosis) -> list[str]:
         )
     if not rows:
         return []
-    head = ("parameter", "nominal model", "extended model", "95 % interval")
+    head = ("parameter", "known before", "nominal model", "extended model", "95 % interval")
     return [_heading("Parameters"), _table(head, rows)]
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from balance_diagnosis.diagnosis import Diagnosis
 from balance_diagnosis.intervals import Estimate
 from balance_diagnosis.model import Model
+from balance_diagnosis.priors import Prior
 from balance_diagnosis.remaining import Band
 from balance_diagnosis.verdicts import (
     AMBIGUOUS,
@@ -56,6 +57,13 @@ BOUND = 1e-4
 """Share of a number's bounds within which it stands at one of them."""
 
 MOST_DIGITS = 8
+
+BETWEEN = 2.5
+"""Standard deviations between the bounds of a prior, below which it says no more than these."""
+
+PRIOR_WIDTH = 2.0 * 1.96
+NO_BETTER = 0.9
+"""Width of a normal prior's 95 % interval, and the share of it that is no gain of knowledge."""
 
 UNEVEN = 0.2
 """Share of the energy in one tenth of a record from which it is told where that is."""
@@ -160,6 +168,49 @@ def sentence(diagnosis: Diagnosis) -> str:
         parts.append(f"No cause is needed (probability {probability(verdict.none)}).")
         parts += _blind(verdict)
     return " ".join(parts)
+
+
+def known(prior: Prior) -> str:
+    """Return what was known of a number before: "95 ± 19", or its bounds."""
+    low, high = prior.limits
+    if high - low <= BETWEEN:
+        return f"{number(prior.low)} to {number(prior.high)}"
+    return f"{number(prior.nominal)} ± {number(2.0 * prior.scale)}"
+
+
+def undetermined(estimate: Estimate, prior: Prior) -> bool:
+    """Return whether the records tell no more of a number than was known before."""
+    if prior.log and estimate.low <= 0.0:
+        return True
+    low, high = prior.limits
+    width = prior.place(estimate.high) - prior.place(estimate.low)
+    return bool(width > NO_BETTER * min(high - low, PRIOR_WIDTH))
+
+
+def gained(diagnosis: Diagnosis, units: Mapping[str, str]) -> str:
+    """Return how the errors change, over all held-out records, or the fitted ones without these.
+
+    units: of outputs. Empty where no cause was found.
+    """
+    if not diagnosis.causes:
+        return ""
+    held = any(g.held_out for g in diagnosis.gains)
+    told = [g for g in diagnosis.gains if g.held_out == held]
+    parts = []
+    for output in dict.fromkeys(g.output for g in told):
+        mine = [g for g in told if g.output == output]
+        before, after = (
+            math.sqrt(sum(v**2 for v in errors) / len(mine))
+            for errors in ([g.nominal for g in mine], [g.extended for g in mine])
+        )
+        worse = sum(g.extended > g.nominal for g in mine)
+        how = "falls" if after < before else "GROWS"
+        parts.append(
+            f"{output} {how} from {number(before)} to {quantity(after, units.get(output, ''))}"
+            + (f" (worse on {worse} of {len(mine)} records)" if worse and len(mine) > 1 else "")
+        )
+    which = "held-out" if held else "fitted"
+    return f"On {which} data the rms error of {'; of '.join(parts)}."
 
 
 def left(band: Band, unit: str) -> str:
