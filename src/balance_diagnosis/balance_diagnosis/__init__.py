@@ -1,4 +1,4 @@
-"""Names what a model of any machine gets wrong: see docs/balance_diagnosis.md."""
+"""Names what a model of any machine gets wrong: see docs/own_machine.md."""
 
 from balance_diagnosis.diagnosis import Diagnosis, diagnose
 from balance_diagnosis.errors import BalanceError
