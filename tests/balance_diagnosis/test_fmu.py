@@ -118,6 +118,17 @@ def test_runs_do_not_depend_on_those_before(sliding):
     assert np.abs(first - other).max() > 0.1
 
 
+def test_an_fmu_that_cannot_be_reset_is_made_anew(sliding_file, folder, monkeypatch):
+    monkeypatch.setattr("fmpy.fmi2._FMU2.reset", lambda self: None)
+    model, record = bound(sliding_file, folder), pushed(1)
+    first, again = (model.predicted(TRUE, record).outputs["speed"] for _ in range(2))
+    loop = model.unit._march
+    assert np.array_equal(first, again)
+    assert np.array_equal(first, model.predicted(TRUE, record).outputs["speed"])
+    assert not model.unit._reset_works
+    assert model.unit._march is loop
+
+
 def test_sensors_that_the_fmu_does_not_have_are_added(sliding):
     record = pushed(2)
     plain = sliding.predicted(TRUE, record).outputs["speed"]

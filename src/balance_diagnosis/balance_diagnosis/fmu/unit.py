@@ -53,8 +53,9 @@ class Unit:
         self.cosimulation = self.description.coSimulation is not None
         self._third = self.description.fmiVersion.startswith("3")
         self._instance: Any = None
+        self._library: Any = None
         self._march: Any = None
-        self._reset_works = True
+        self._reset_works, self._tried = True, False
 
     def reference(self, name: str) -> int:
         """Return a variable's number; BalanceError where there is none, or it is no real number."""
@@ -92,14 +93,22 @@ class Unit:
         inputs: variable to (n,). BalanceError with the FMU's own words where a call fails.
         """
         began = times - times[0]
-        driven = np.zeros((len(times), len(inputs)))
-        for k, signal in enumerate(inputs.values()):
-            driven[:, k] = signal
-        try:
+
+        def once() -> np.ndarray:
             if not self.cosimulation:
                 return self._exchanged(values, began, inputs, outputs)
-            self._begin(values, list(inputs), driven[0], float(began[-1]))
+            driven = np.zeros((len(times), len(inputs)))
+            for k, signal in enumerate(inputs.values()):
+                driven[:, k] = signal
+            self._begin(values, list(inputs), driven[0])
             return self._marched(began, list(inputs), driven, outputs, held, steps)
+
+        try:
+            made = once()
+            if not self._tried:
+                self._tried = True
+                self._reset_works = np.array_equal(made, once(), equal_nan=True)
+            return made
         except BalanceError:
             self._drop()
             raise
@@ -136,11 +145,13 @@ class Unit:
             "CoSimulation" if self.cosimulation else "ModelExchange",
             logger=lambda *told: self.messages.append(_text(told[-1])),
         )
-        self._march = None
+        if self._library is None:
+            # Held, since the compiled loop calls it: FMPy closes its own with each instance.
+            self._library = ctypes.CDLL(self._instance.dll._name)
         return self._instance
 
     def _fresh(self) -> Any:
-        """Return the instance as it was when it was made."""
+        """Return the instance as it was when it was made: a new one, if its reset is none."""
         if self._instance is None:
             return self._open()
         if self._reset_works:
@@ -152,9 +163,7 @@ class Unit:
         self._instance.freeInstance()
         return self._open()
 
-    def _begin(
-        self, values: Mapping[str, float], inputs: Sequence[str], first: np.ndarray, stop: float
-    ) -> None:
+    def _begin(self, values: Mapping[str, float], inputs: Sequence[str], first: np.ndarray) -> None:
         fmu = self._fresh()
         references = [self.reference(name) for name in values]
         drive = [self.reference(name) for name in inputs]
@@ -179,7 +188,7 @@ class Unit:
         steps: int,
     ) -> np.ndarray:
         if self._march is None:
-            self._march = _compiled(self._instance.dll, self._third)
+            self._march = _compiled(self._library, self._third)
         path = np.empty((len(times), len(outputs)))
         drive = np.array([self.reference(name) for name in inputs], np.uint32)
         told = np.array([self.reference(name) for name in outputs], np.uint32)
