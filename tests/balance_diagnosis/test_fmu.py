@@ -148,7 +148,7 @@ def test_what_is_hidden_is_named_with_its_size(sliding):
     assert estimate.low < 4.0 < estimate.high
 
 
-def test_the_axis_is_the_same_to_the_last_bit_as_its_binding_in_python(folder):
+def test_the_axis_predicts_and_is_diagnosed_as_its_binding_in_python(folder):
     axis, draw = example("emps_axis"), np.random.default_rng(0)
     model = FmuModel(example("make").make("emps_axis", folder), EXAMPLES / "fmu" / "emps_axis.yaml")
     assert model.causes == axis.MODEL.causes

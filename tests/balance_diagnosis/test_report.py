@@ -324,7 +324,7 @@ def test_an_extended_model_that_is_worse_is_said_to_be(diagnosis):
     gains = (Gain("a", "force", 1.0, 0.9, True), Gain("b", "force", 1.0, 1.5, True))
     worse = words.gained(replace(diagnosis, gains=gains), {"force": "N"})
     assert worse == (
-        "On held-out data the rms error of force GROWS from 1 to 1.24 N (worse on 1 of 2 records)."
+        "On held-out data the rms error of force grows from 1 to 1.24 N (worse on 1 of 2 records)."
     )
 
 

@@ -26,7 +26,8 @@ BYTES, BYTES_A_POINT, LINES = 1.1e6, 12.5, 5
 
 def render(diagnosis: Diagnosis, told: dict[str, Any]) -> str:
     """Return the whole file. told: the same as data."""
-    kind = "good" if told["verdict"] in (NAMED, CLEAN) else "open"
+    sound = told["verdict"] in (NAMED, CLEAN) and " grows " not in told["gain"]
+    kind = "good" if sound else "open"
     title = f"{told['model']}: {told['verdict']}"
     return "".join(
         [

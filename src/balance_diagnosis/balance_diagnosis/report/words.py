@@ -204,7 +204,7 @@ def gained(diagnosis: Diagnosis, units: Mapping[str, str]) -> str:
             for errors in ([g.nominal for g in mine], [g.extended for g in mine])
         )
         worse = sum(g.extended > g.nominal for g in mine)
-        how = "falls" if after < before else "GROWS"
+        how = "falls" if after < before else "grows"
         parts.append(
             f"{output} {how} from {number(before)} to {quantity(after, units.get(output, ''))}"
             + (f" (worse on {worse} of {len(mine)} records)" if worse and len(mine) > 1 else "")
