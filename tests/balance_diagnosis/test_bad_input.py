@@ -255,7 +255,8 @@ def test_another_run_of_the_same_input_may_be_held_out():
 
 
 def test_records_may_come_from_a_generator_and_no_hold_out_may_be_none():
-    found = diagnose(model(), fit=(r for r in [record()]), holdout=cast(Any, None))
+    one = cast(Any, (r for r in [record()]))
+    found = diagnose(model(), fit=one, holdout=cast(Any, None))
     assert [gain.record for gain in found.gains] == ["run"]
 
 

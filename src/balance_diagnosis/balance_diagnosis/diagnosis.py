@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -97,8 +97,8 @@ class Diagnosis:
 
 def diagnose(
     model: Model,
-    fit: Iterable[Record],
-    holdout: Iterable[Record] = (),
+    fit: Sequence[Record],
+    holdout: Sequence[Record] = (),
     constants: Constants = DEFAULT,
 ) -> Diagnosis:
     """Name what a model gets wrong about the records ``fit``.
