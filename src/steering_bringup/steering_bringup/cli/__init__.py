@@ -179,6 +179,7 @@ def _one_line(error: Exception) -> str:
 
 
 OWN_PACKAGES = (
+    "balance_diagnosis",
     "steering_bringup",
     "steering_core",
     "steering_lockstep",
