@@ -118,7 +118,9 @@ def diagnose(
     problem.reduce((), x)
     problem.learn(x)
     search, best, scenery = _searched(problem, x)
-    plain = Criterion(problem, search.criterion.noise, np.zeros((problem.count, 0))).fit((), [best.x[: len(x)], x])
+    plain = Criterion(problem, search.criterion.noise, np.zeros((problem.count, 0))).fit(
+        (), [best.x[: len(x)], x]
+    )
     assert plain is not None
     verdict = decide(search, best, plain, scenery)
     noise = {
@@ -155,7 +157,9 @@ def nominal_fit(problem: Problem) -> np.ndarray:
     )
     outputs = len(problem.outputs)
     facts = np.full(outputs, problem.constants.facts / outputs)
-    criterion = Criterion(problem, Noise(scale, np.zeros(outputs), facts), np.zeros((problem.count, 0)))
+    criterion = Criterion(
+        problem, Noise(scale, np.zeros(outputs), facts), np.zeros((problem.count, 0))
+    )
     low, high = limits(problem, ())
     draw = np.random.default_rng(0)
     wide = np.isfinite(low) & (high - low < 4.0 + 1e-9)
@@ -177,9 +181,7 @@ def _searched(problem: Problem, x: np.ndarray) -> tuple[Search, Fit, Scenery]:
         others = [cause for cause in problem.model.causes if cause not in names]
         tried = trials(problem, about, others)
         noise = estimate(problem, scenery, names, place, [t.change for t in tried])
-        typical = {
-            t.cause: t.change for t in tried if t.numbers == problem.probed[t.cause].start
-        }
+        typical = {t.cause: t.change for t in tried if t.numbers == problem.probed[t.cause].start}
         typical |= {name: _typical_change(problem, about, name) for name in names}
         criterion = Criterion(problem, noise, spikes(problem, typical))
         search = Search(criterion, nominal)

@@ -45,8 +45,10 @@ class Scenery:
 
 
 def _reduced(s: Series, functions: np.ndarray) -> np.ndarray:
-    return np.stack([s.means(f) for f in functions.T], axis=1) if functions.size else np.zeros(
-        (len(s), 0)
+    return (
+        np.stack([s.means(f) for f in functions.T], axis=1)
+        if functions.size
+        else np.zeros((len(s), 0))
     )
 
 

@@ -76,9 +76,7 @@ def probe(cause: Cause, change: Change, constants: Constants) -> Probed:
     numbers = {n.name: n for n in cause.numbers}
     typical = {name: min(abs(v[0] - numbers[name].off) for v in s) for name, s in sizes.items()}
     priors = {
-        name: Prior(
-            numbers[name].off, constants.slab * size, numbers[name].low, numbers[name].high
-        )
+        name: Prior(numbers[name].off, constants.slab * size, numbers[name].low, numbers[name].high)
         for name, size in typical.items()
     }
     shapes = {n.name: _shape(n) for n in cause.numbers if n.name not in sizes}

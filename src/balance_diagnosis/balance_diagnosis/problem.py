@@ -106,7 +106,9 @@ class Problem:
                 for key, before in off[number].outputs.items():
                     valid = np.isfinite(self.records[number][key])
                     moved = np.where(valid, made.outputs[key] - before, 0.0)
-                    parts.append(moved / (self.scale[number, key] * np.sqrt(valid.sum() * len(base))))
+                    parts.append(
+                        moved / (self.scale[number, key] * np.sqrt(valid.sum() * len(base)))
+                    )
             return np.concatenate(parts)
 
         self.probed = {
@@ -214,7 +216,6 @@ class Problem:
         return made
 
 
-
 def _deviation(records: Sequence[Record], channel: str) -> float:
     """Return the standard deviation of a channel over its records, of a constant one its size."""
     for record in records:
@@ -234,5 +235,7 @@ def _start(name: str, record: Record, output: str) -> Prior:
     channel = name if name in record.channels else output
     judged = record[channel][np.isfinite(record[channel])]
     width = 2.0 * max(float(np.ptp(judged)), 1e-9 * float(np.abs(judged).max()), 1e-12)
-    middle = float(judged[0]) if name in record.channels else 0.5 * float(judged.max() + judged.min())
+    middle = (
+        float(judged[0]) if name in record.channels else 0.5 * float(judged.max() + judged.min())
+    )
     return Prior(middle, 0.5 * width, middle - width, middle + width)

@@ -53,9 +53,7 @@ def trials(problem: Problem, fit: Fit, causes: Sequence[str], typical: bool = Fa
     return found
 
 
-def scores(
-    criterion: Criterion, fit: Fit, tried: Sequence[Trial]
-) -> dict[str, list[Score]]:
+def scores(criterion: Criterion, fit: Fit, tried: Sequence[Trial]) -> dict[str, list[Score]]:
     """Return what each cause would gain beside refitted coordinates, best trials first."""
     made: dict[str, list[Score]] = {}
     if not tried:

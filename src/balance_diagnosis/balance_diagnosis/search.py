@@ -131,7 +131,9 @@ class Search:
             start = self.problem.probed[slot.cause].start[slot.name]
             typical[i] = slot.prior.place(start)
         idle = [
-            i >= common and abs(here[i]) < IDLE and slot.name in self.problem.probed[slot.cause].sizes
+            i >= common
+            and abs(here[i]) < IDLE
+            and slot.name in self.problem.probed[slot.cause].sizes
             for i, slot in enumerate(slots)
         ]
         fresh = np.r_[self.nominal, typical[common:]]

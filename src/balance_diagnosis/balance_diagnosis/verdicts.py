@@ -57,7 +57,9 @@ class Posterior:
     def any_of(self, *causes: str) -> float:
         """Return the probability that at least one of some causes is there."""
         have = [any(c in fit.names for c in causes) for fit in self.fits]
-        more = [w for c, w in self.unmet.items() if c in causes or set(causes) & set(self.best.names)]
+        more = [
+            w for c, w in self.unmet.items() if c in causes or set(causes) & set(self.best.names)
+        ]
         return float((self.weights[have].sum() + sum(more)) / self.total)
 
     def none(self) -> float:
@@ -120,9 +122,7 @@ def decide(search: Search, best: Fit, nominal: Fit, scenery: Scenery) -> Verdict
     return Verdict(**{**verdict.__dict__, "refused": _refused(verdict, search, best)})
 
 
-def _groups(
-    posterior: Posterior, unsure: list[str], sure: float
-) -> tuple[tuple[str, ...], ...]:
+def _groups(posterior: Posterior, unsure: list[str], sure: float) -> tuple[tuple[str, ...], ...]:
     """Return, for each cause that is not sure alone, the rivals with which it is."""
     made = []
     rivals = sorted(
