@@ -14,14 +14,16 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Manoeuvres and a lead-lag driver; the driver node.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "driver_node = driver_model.driver_node:main",
+            "driver_node = steering_lockstep.executables:driver",
         ],
     },
 )

@@ -14,16 +14,18 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Boost-curve reference and the controller of each pressure control valve.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "valve_controller_node = pressure_control.controller_node:main",
-            "load_force_node = pressure_control.load_force_node:main",
-            "overlay_arbiter_node = pressure_control.overlay.arbiter_node:main",
+            "valve_controller_node = steering_lockstep.executables:valve_controller",
+            "load_force_node = steering_lockstep.executables:load_force_controller",
+            "overlay_arbiter_node = steering_lockstep.executables:overlay_arbiter",
         ],
     },
 )

@@ -14,14 +14,16 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Channels, limits, watchdogs and links to a hardware test rig.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "rig_bridge_node = rig_bridge.bridge_node:main",
+            "rig_bridge_node = steering_lockstep.executables:rig_bridge",
             "rig_emulator = rig_bridge.emulator.main:main",
         ],
     },

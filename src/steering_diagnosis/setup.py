@@ -14,9 +14,11 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Shows what the simulation gets wrong, names the cause and extends the model.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
 )

@@ -14,9 +14,16 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="The 1 kHz lock-step contract over ROS 2: layouts, topics, node base class.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "lockstep_node = steering_lockstep.executables:any_kind",
+        ],
+    },
 )

@@ -14,14 +14,16 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Mechanics, hydraulics and effects of the steering gear; the node is the clock.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "plant_node = steering_plant.plant_node:main",
+            "plant_node = steering_lockstep.executables:plant",
         ],
     },
 )

@@ -14,9 +14,11 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Rig tests, identification, linear analysis, designs, reproduction of the source.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
 )

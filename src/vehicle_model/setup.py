@@ -14,14 +14,16 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Linear bicycle model and dry-park load on the rack; the vehicle node.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "vehicle_node = vehicle_model.vehicle_node:main",
+            "vehicle_node = steering_lockstep.executables:vehicle",
         ],
     },
 )

@@ -8,6 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 
+from steering_lockstep.executables import ANY, EXECUTABLES
+from steering_lockstep.kinds import FACTORIES
+
 SOURCE = Path(__file__).resolve().parents[2] / "src"
 PACKAGES = sorted(file.parent for file in SOURCE.glob("*/package.xml"))
 PYTHON = [package for package in PACKAGES if (package / "setup.py").is_file()]
@@ -16,7 +19,9 @@ NAMES = {package.name for package in PACKAGES}
 KNOWN = {
     "ament_cmake", "diagnostic_msgs", "nav_msgs", "rcl_interfaces", "rclpy", "rosgraph_msgs",
     "sensor_msgs", "std_msgs", "std_srvs", "rosidl_default_generators", "rosidl_default_runtime",
-    "python3-numpy", "python3-pytest", "python3-scipy", "python3-yaml",
+    "ament_cmake_pytest", "ament_index_python", "launch", "launch_ros",
+    "python3-can", "python3-h5py", "python3-numba", "python3-numpy", "python3-pandas",
+    "python3-pydantic", "python3-pytest", "python3-scipy", "python3-tqdm", "python3-yaml",
 }  # fmt: skip
 
 
@@ -89,10 +94,36 @@ def test_ament_finds_the_package(package):
 def test_console_scripts_lead_somewhere(package):
     for script in scripts(package):
         module, function = script.split("=")[1].strip().split(":")
-        base = package / Path(*module.split("."))
+        base = SOURCE / module.split(".")[0] / Path(*module.split("."))
         file = base / "__init__.py" if base.is_dir() else base.with_suffix(".py")
-        names = [n.name for n in ast.walk(ast.parse(file.read_text())) if hasattr(n, "name")]
+        nodes = list(ast.walk(ast.parse(file.read_text())))
+        names = [n.name for n in nodes if hasattr(n, "name")]
+        assigned = [n.targets[0] for n in nodes if isinstance(n, ast.Assign)]
+        names += [target.id for target in assigned if isinstance(target, ast.Name)]
         assert function in names, script
+
+
+@pytest.mark.parametrize("package", PYTHON, ids=lambda p: p.name)
+def test_colcon_finds_the_package_s_tests(package):
+    settings = configparser.ConfigParser()
+    settings.read(package / "setup.cfg")
+    folders = settings["tool:pytest"]["testpaths"].split()
+    assert folders
+    for folder in folders:
+        assert list((package / folder).glob("test_*.py")), folder
+
+
+def test_every_kind_of_node_has_an_executable_of_its_package():
+    installed = {
+        (package.name, *re.split(r"\s*=\s*", script))
+        for package in PYTHON
+        for script in scripts(package)
+    }
+    assert EXECUTABLES.keys() == FACTORIES.keys()
+    for kind, (package, name) in EXECUTABLES.items():
+        assert (package, name, f"steering_lockstep.executables:{kind}") in installed
+        assert FACTORIES[kind].startswith(f"{package}.")
+    assert (*ANY, "steering_lockstep.executables:any_kind") in installed
 
 
 @pytest.mark.parametrize("package", PYTHON, ids=lambda p: p.name)

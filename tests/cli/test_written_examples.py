@@ -68,7 +68,7 @@ def test_every_example_of_a_run_can_be_planned(example, tmp_path, monkeypatch):
     Path("changes.yaml").write_text("mechanics: {rack_mass: 30}\n", encoding="utf-8")
     Path("measured.csv").write_text(CURVE, encoding="utf-8")
     options = parser_of(["run"]).parse_args(["run", *shlex.split(example)])
-    assert run._plans(options, run._scenario(options), tmp_path)
+    assert run.plans_of(options, run.scenario_of(options), tmp_path)
 
 
 def shipped_closed_centre() -> str:

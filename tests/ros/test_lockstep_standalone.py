@@ -20,12 +20,7 @@ from steering_bringup.scenario_files import load_node_set, load_scenario  # noqa
 
 pytestmark = pytest.mark.ros
 TICKS = 200
-PROGRAMS = {
-    "driver": "driver_model.driver_node",
-    "vehicle": "vehicle_model.vehicle_node",
-    "recorder": "steering_bringup.recorder_node",
-    "plant": "steering_plant.plant_node",
-}
+PROGRAMS = ("driver", "vehicle", "recorder", "plant")
 
 
 @pytest.fixture
@@ -46,7 +41,7 @@ def start(program, graph, domain, *parameters):
         [
             sys.executable,
             "-c",
-            f"from {program} import main; main()",
+            f"from steering_lockstep.executables import {program}; {program}()",
             *("--graph", str(graph), "--ticks", str(TICKS), "--ros-args"),
             *(ros or ("-p", "parameter_set:=nominal")),
         ],
@@ -75,8 +70,8 @@ def test_nodes_started_one_by_one_make_the_direct_runners_bytes(tmp_path, domain
     for values in parameters.values():
         values.append("vehicle.speed:=19.444")
     running = [
-        start(program, tmp_path / "graph.json", domain, *parameters[name])
-        for name, program in PROGRAMS.items()
+        start(program, tmp_path / "graph.json", domain, *parameters[program])
+        for program in PROGRAMS
     ]
     try:
         assert [process.wait(120.0) for process in running] == [0, 0, 0, 0]

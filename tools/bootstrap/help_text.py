@@ -5,6 +5,7 @@ from pathlib import Path
 
 OWN = {
     "test": "run the linter, the type checker and the tests",
+    "env": "print what makes a shell one on the bench's ROS, for eval (bash, zsh, fish)",
     "setup": "make or repair the environment (--check: every file, --clean: from nothing)",
 }
 _TABLE = Path("src", "steering_bringup", "steering_bringup", "cli", "__init__.py")

@@ -71,6 +71,17 @@ def _of_python_to_leave(name: str) -> bool:
     return name.startswith("PYTHON") and name not in KEPT_OF_PYTHON and name != "PYTHONHOME"
 
 
+def without_own_profile(variables: dict[str, str], own: Path) -> None:
+    """Leave out what `./steer env` put into the shell: it is settled anew for each run.
+
+    A range that was asked for since counts.
+    """
+    if variables.get(PROFILE) == str(own):
+        del variables[PROFILE]
+        if variables.get(RANGE) == "SYSTEM_DEFAULT":
+            variables[RANGE] = "LOCALHOST"
+
+
 def on_the_network(variables: dict[str, str]) -> None:
     """Settle how far a run is seen; SetupError for what is not clear or not secured."""
     if variables.pop("ROS_LOCALHOST_ONLY", "0") == "1":

@@ -38,6 +38,11 @@ class Layout(NamedTuple):
         return self.root / "src"
 
     @property
+    def profile(self) -> Path:
+        """The middleware's profile of a run that this computer alone sees."""
+        return self.source / "steering_lockstep" / "steering_lockstep" / "fastdds.xml"
+
+    @property
     def groups(self) -> tuple[str, ...]:
         """Groups of requirements that are installed."""
         return GROUPS_BESIDE_ROS if self.system_ros else GROUPS_OF_WHEELS

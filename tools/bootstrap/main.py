@@ -72,7 +72,12 @@ def dispatch(layout: Layout, arguments: list[str]) -> int:
 
         ready = ensure(layout)
         variables = for_run(layout, ready.environment, ready.workspace, os.environ)
+        variables.pop("ROS_DOMAIN_ID", None)  # each run of the tests takes its own
         return checks.run(layout, python_of(ready.environment), variables, arguments[1:])
+    if command == "env":
+        from bootstrap import shell
+
+        return shell.run(layout, ensure(layout), arguments[1:])
     return hand_over(layout, ensure(layout, thorough=RETRIED in os.environ), arguments)
 
 

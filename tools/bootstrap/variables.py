@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from bootstrap import inherited
+from bootstrap import inherited, overlay
 from bootstrap.layout import Layout, site_packages
 
 
@@ -56,6 +56,11 @@ def for_run(
     result["LD_LIBRARY_PATH"] = _joined(
         [install / "lib", *libraries], result.get("LD_LIBRARY_PATH", "")
     )
+    # Behind ours: a run does what it does without them.
+    for name, path in overlay.search_paths(layout, base).items():
+        if path:
+            result[name] = _joined([], result.get(name, ""), path)
+    inherited.without_own_profile(result, layout.profile)
     inherited.on_the_network(result)
     inherited.one_thread(result)
     inherited.with_log_folder(result, layout.logs / "ros")

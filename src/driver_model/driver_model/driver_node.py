@@ -18,7 +18,6 @@ from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 
 
 class DriverNode(LockstepNode):
@@ -48,8 +47,3 @@ def make(
 ) -> DriverNode:
     """Return the driver's node for a run."""
     return DriverNode(context, spec, run, parameters, driver_builder(run.ticks))
-
-
-def main() -> None:
-    """Run the driver alone in a process."""
-    spin_alone("driver", make)

@@ -19,7 +19,6 @@ from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import APPLIED
 from steering_plant.measured_boost_curve import boost_table
 
@@ -66,8 +65,3 @@ def make(
     """Return a controller's node for a run."""
     kind = OverlaidControllerNode if APPLIED in spec.inputs else ControllerNode
     return kind(context, spec, run, parameters, build_controller)
-
-
-def main() -> None:
-    """Run one controller alone in a process."""
-    spin_alone("valve_controller", make)

@@ -13,7 +13,6 @@ from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 
 
 class LoadForceNode(LockstepNode):
@@ -42,8 +41,3 @@ def make(
 ) -> LoadForceNode:
     """Return the force controller's node for a run."""
     return LoadForceNode(context, spec, run, parameters, build_load_force)
-
-
-def main() -> None:
-    """Run the force controller alone in a process."""
-    spin_alone("load_cylinder", make)

@@ -20,9 +20,9 @@ from rig_bridge.transport.registry import open_link
 from steering_lockstep.core_parameters import check_own
 from steering_lockstep.free_clock import FreeClock
 from steering_lockstep.graph import NodeSpec
+from steering_lockstep.names import relative
 from steering_lockstep.ports import Ports
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import wire
 
 RESET = "/rig/reset"
@@ -48,7 +48,7 @@ class BridgeNode(FreeClock):
     ) -> None:
         super().__init__(context, spec, run, parameters)
         self.core: Session = build_session(spec, self.values())
-        self.create_service(Trigger, RESET, self._reset)
+        self.create_service(Trigger, relative(RESET), self._reset)
 
     def description(self, name: str) -> str:
         """Return what the node's parameter ``name`` is."""
@@ -79,8 +79,3 @@ def make(
 ) -> BridgeNode:
     """Return the bridge's node for a run."""
     return BridgeNode(context, spec, run, parameters)
-
-
-def main() -> None:
-    """Run the bridge alone in a process."""
-    spin_alone("rig_bridge", make)

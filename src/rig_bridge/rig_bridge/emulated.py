@@ -5,6 +5,7 @@ from __future__ import annotations
 import ipaddress
 import json
 import socket
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -35,15 +36,39 @@ def emulated(
     settings = rig.settings(kind)
     with ExitStack() as stack:
         if kind == "udp":
-            settings = {end: _place(str(place)) for end, place in settings.items()}
+            settings = _places(settings)
         else:
             _serve(settings, stack, priority)
-        words = ["--attached", "--link", kind, "--rig", str(path)]
-        words += ["--emulator", str(path.parent / rig.emulator)]
-        words += ["--settings", json.dumps(settings)]
+        words = ["--attached", *_words(path, rig, kind, settings)]
         rig_process = stack.enter_context(helper("rig_bridge.emulator.main", words, READY_S))
         _hurry(rig_process, priority)
         yield settings, rig_process
+
+
+def command(path: Path, rig: RigFile, kind: str, priority: int) -> tuple[Any, list[str]]:
+    """Return the link's settings and the command of the emulated rig, for whoever starts it.
+
+    priority: of the real-time scheduler, where this is permitted. The rig says "ready" in its first
+    line. Raises BenchError for CAN, which needs a bus beside it.
+    """
+    if kind != "udp":
+        raise BenchError(
+            f"an emulated rig on {kind} needs a bus that 'steer run --plant rig --rig-link {kind}' "
+            "serves: take udp here"
+        )
+    settings = _places(rig.settings(kind))
+    start = [sys.executable, "-m", "rig_bridge.emulator.main"]
+    words = [*start, *_words(path, rig, kind, settings)]
+    return settings, [*words, "--priority", str(priority)]
+
+
+def _words(path: Path, rig: RigFile, kind: str, settings: Any) -> list[str]:
+    words = ["--link", kind, "--rig", str(path), "--emulator", str(path.parent / str(rig.emulator))]
+    return [*words, "--settings", json.dumps(settings)]
+
+
+def _places(settings: dict[str, Any]) -> dict[str, str]:
+    return {end: _place(str(place)) for end, place in settings.items()}
 
 
 def _serve(buses: list[dict[str, Any]], stack: ExitStack, priority: int) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from contextlib import ExitStack
+import os
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +17,9 @@ from steering_bringup.outcome import Outcome, peaks_of
 from steering_bringup.plans import Plan
 from steering_bringup.process_age import process_age
 from steering_bringup.progress import Bar
+from steering_lockstep.domain import DomainClaim, DomainError, asked_domain, claim_domain
 from steering_lockstep.graph_file import write_run
+from steering_lockstep.middleware import RANGE, is_alone
 from steering_lockstep.settings import RunSettings
 
 if TYPE_CHECKING:
@@ -26,13 +30,22 @@ if TYPE_CHECKING:
 STATE_OF_REST = "steering_bringup.checks:state_of_rest"
 
 
-def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
-    """Run the plan over DDS and return what it did; a failed run tells why in ``error``."""
+def run_through_graph(
+    plan: Plan, zygote: Zygote | None = None, on_start: Callable[[str], None] | None = None
+) -> Outcome:
+    """Run the plan over DDS and return what it did; a failed run tells why in ``error``.
+
+    ``on_start``: is told what runs and where it is seen, before anything else. Raises BenchError
+    where the ROS domain is taken.
+    """
     from steering_lockstep.processes import START_TIMEOUT, placement, run_graph
 
     scenario = plan.scenario
     age = process_age()
     with ExitStack() as stack:
+        claim = stack.enter_context(_domain(plan))
+        if on_start is not None:
+            on_start(_where(plan, claim.number))
         bar = stack.enter_context(Bar(plan.node_set.name, scenario.duration))
         bar.update(0, 0.0, "starting")
         connection = None
@@ -45,17 +58,19 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
         result = run_graph(
             plan.graph,
             scenario.ticks,
-            parameters=_parameters(plan, connection),
+            parameters=_parameters(plan, connection, claim.number),
             rest=_rest(plan, zygote),
             layout=plan.layout,
             real_time=plan.manner.real_time,
             timeout=plan.manner.timeout,
             on_progress=show,
             zygote=zygote,
-            domain=plan.manner.domain,
+            domain=claim,
+            names=plan.names,
+            wait_for=plan.manner.wait_for,
             urgent=plan.rig is not None,
             external=plan.manner.external,
-            start_timeout=plan.manner.wait if plan.manner.external else START_TIMEOUT,
+            start_timeout=plan.manner.wait if _awaits(plan) else START_TIMEOUT,
         )
         notes = [] if connection is None else connection.notes()
     outcome = Outcome(
@@ -77,10 +92,63 @@ def run_through_graph(plan: Plan, zygote: Zygote | None = None) -> Outcome:
     return _with_bag(plan, outcome)
 
 
+def _awaits(plan: Plan) -> bool:
+    """Return whether somebody outside is waited for."""
+    return bool(plan.manner.external or plan.manner.wait_for)
+
+
+@contextmanager
+def _domain(plan: Plan) -> Iterator[DomainClaim]:
+    """Claim the run's ROS domain: the one asked for, or a free one."""
+    try:
+        asked = plan.manner.domain
+        asked = asked_domain(os.environ) if asked is None else asked
+        claim = claim_domain(asked, namespace=plan.names.namespace)
+    except DomainError as error:
+        raise BenchError(str(error)) from None
+    try:
+        yield claim
+    finally:
+        claim.release()
+
+
+def _where(plan: Plan, domain: int) -> str:
+    """Return what runs and where it is seen, as one line."""
+    how_far = os.environ.get(RANGE, "a profile of one's own")
+    seen = "on this computer" if is_alone(os.environ) else f"beyond this computer ({how_far})"
+    space = f", namespace {plan.names.namespace}" if plan.names.namespace else ""
+    return (
+        f"{plan.scenario.name} / {plan.node_set.name}: ROS_DOMAIN_ID={domain}{space}, seen {seen}"
+    )
+
+
 def write_external(plan: Plan, path: Path) -> None:
     """Write all that the plan's external nodes must know; BenchError naming the path."""
-    run = RunSettings(plan.graph, plan.scenario.ticks, _rest(plan, None), plan.manner.real_time)
     parameters = {name: _parameters(plan, None)[name] for name in plan.manner.external}
+    _write_file(plan, parameters, path)
+
+
+def write_graph_file(plan: Plan, path: Path, connection: Connection | None = None) -> None:
+    """Write all that every node of the plan must know; BenchError naming the path.
+
+    ``connection``: to an emulated rig that the caller starts; a rig of its own has its file.
+    """
+    if plan.rig is not None and connection is None:
+        connection = plan.rig.own_connection()
+    domain = asked_domain(os.environ) or 0
+    _write_file(plan, _parameters(plan, connection, domain), path)
+
+
+def _write_file(plan: Plan, parameters: dict[str, dict[str, Any]], path: Path) -> None:
+    run = RunSettings(
+        plan.graph,
+        plan.scenario.ticks,
+        _rest(plan, None),
+        plan.manner.real_time,
+        plan.rig is not None,
+        names=plan.names,
+        wait_for=frozenset(plan.manner.wait_for),
+    )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_run(run, parameters, path)
@@ -88,14 +156,16 @@ def write_external(plan: Plan, path: Path) -> None:
         raise BenchError(f"the file '{path}' cannot be written: {error.strerror}") from None
 
 
-def _parameters(plan: Plan, connection: Connection | None) -> dict[str, dict[str, Any]]:
+def _parameters(
+    plan: Plan, connection: Connection | None, domain: int | None = None
+) -> dict[str, dict[str, Any]]:
     parameters = node_parameters(plan.scenario, plan.node_set)
     if connection is not None:
         parameters[plan.graph.clock.name] = connection.parameters
     for name, replay in plan.replays.items():
         parameters[name] = {"bag": str(replay.bag)}
     if plan.bag is not None:
-        metadata = json.dumps(plan.metadata())
+        metadata = json.dumps(plan.metadata(domain))
         parameters[RECORDER] = {
             "path": str(plan.bag),
             "metadata": metadata,

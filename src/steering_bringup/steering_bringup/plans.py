@@ -8,14 +8,22 @@ from pathlib import Path
 from typing import Any, Literal
 
 from steering_bringup.errors import BenchError
-from steering_bringup.graphs import RECORDER, build_graph, connection_delays, connections
+from steering_bringup.graphs import (
+    RECORDER,
+    build_graph,
+    connection_delays,
+    connections,
+    has_arbiter,
+)
 from steering_bringup.replays import REPLAY_KIND, Replay, load_replay
 from steering_bringup.rig_runs import RIG_KIND, RigChoice, rig_layout, with_rig
 from steering_bringup.scenario_files import load_node_set
 from steering_bringup.schema import NodeSet, Scenario
 from steering_core.naming import unknown
 from steering_lockstep.graph import CLOCK, Graph, NodeSpec
+from steering_lockstep.names import NAMES, Names, parse_namespace, parse_remaps
 from steering_lockstep.settings import RunSettings
+from steering_lockstep.topics import OVERLAY
 
 Layout = Literal["one", "each"] | dict[str, str]
 
@@ -38,8 +46,9 @@ class Manner:
     """How runs are made, whatever is run. ``timeout``: s of wall clock without a tick.
 
     ``domain``: ROS_DOMAIN_ID in which nodes outside the run find it; None: a free one.
-    ``external``: nodes that somebody starts elsewhere, awaited for ``wait`` s. ``compress``: the
-    bag's chunks.
+    ``namespace``, ``remap`` ("OLD:=NEW"): how its topics are called there. ``external``: nodes that
+    somebody starts elsewhere; ``wait_for``: topics that somebody outside must listen to before
+    tick 0; ``wait`` [s]: for all of these. ``compress``: the bag's chunks.
     """
 
     runner: Literal["graph", "direct"] = "graph"
@@ -50,6 +59,9 @@ class Manner:
     external: tuple[str, ...] = ()
     wait: float = 60.0
     compress: bool = False
+    namespace: str = ""
+    remap: tuple[str, ...] = ()
+    wait_for: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -57,7 +69,7 @@ class Plan:
     """One run of a scenario with one node set.
 
     ``bag``: where it is recorded, None: nowhere; ``replays``: nodes that a bag stands for;
-    ``rig``: what takes the plant's place.
+    ``rig``: what takes the plant's place; ``names``: how its topics are called outside.
     """
 
     scenario: Scenario
@@ -68,6 +80,7 @@ class Plan:
     parameters: Mapping[str, float] = field(default_factory=dict)
     replays: Mapping[str, Replay] = field(default_factory=dict)
     rig: RigChoice | None = None
+    names: Names = NAMES
 
     @property
     def layout(self) -> Layout:
@@ -76,8 +89,8 @@ class Plan:
             return rig_layout(self.graph)
         return self.manner.processes or self.node_set.processes
 
-    def metadata(self) -> dict[str, Any]:
-        """Return what is needed to repeat the run, for the bag."""
+    def metadata(self, domain: int | None = None) -> dict[str, Any]:
+        """Return what is needed to repeat the run, for the bag, and in which ROS domain it was."""
         from steering_bringup.bags import run_metadata
         from steering_bringup.node_parameters import changed_values
 
@@ -87,11 +100,13 @@ class Plan:
             parameters=self.parameters,
             overrides=changed_values(self.scenario),
             effects=self.scenario.effects,
+            domain=domain,
             layout=self.layout if self.manner.runner == "graph" else None,
             runner=self.manner.runner,
             real_time=self.manner.real_time,
             rig=None if self.rig is None else self.rig.metadata(),
             replayed={name: replay.origin() for name, replay in self.replays.items()},
+            **({"namespace": self.names.namespace} if self.names.namespace else {}),
         )
 
     def notes(self) -> list[str]:
@@ -147,7 +162,17 @@ def make_plan(
     parameters = scenario.parameter_values().flat()
     run = RunSettings(graph, scenario.ticks)
     replays = {name: load_replay(graph.node(name), run, path) for name, path in from_bag.items()}
-    return Plan(scenario, node_set, graph, manner, bag, parameters, replays, rig)
+    names = names_of(graph, manner)
+    return Plan(scenario, node_set, graph, manner, bag, parameters, replays, rig, names)
+
+
+def names_of(graph: Graph, manner: Manner) -> Names:
+    """Return how a run's topics are called; BenchError for a name that is wrong or no topic's."""
+    for name in manner.wait_for:
+        if name not in graph.publisher:
+            raise BenchError(f"--wait-for {name}: {unknown('topic', name, graph.publisher)}")
+    known = [*graph.publisher, OVERLAY] if has_arbiter(graph) else [*graph.publisher]
+    return Names(parse_namespace(manner.namespace), parse_remaps(manner.remap, known))
 
 
 def for_node_set(scenario: Scenario, node_set: NodeSet, all_sets: Iterable[NodeSet]) -> Scenario:

@@ -20,7 +20,6 @@ from steering_lockstep.errors import LockstepError
 from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import CREDIT_EVERY, RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import CREDIT, topic, wire
 from steering_lockstep.wire import NANOSECONDS_PER_TICK
 
@@ -168,8 +167,3 @@ def make(
 ) -> RecorderNode:
     """Return the recorder's node for a run."""
     return RecorderNode(context, spec, run, parameters)
-
-
-def main() -> None:
-    """Run the recorder alone in a process."""
-    spin_alone("recorder", make)

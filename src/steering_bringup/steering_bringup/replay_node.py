@@ -17,7 +17,6 @@ from steering_lockstep.clock_node import ClockNode
 from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 
 
 class Recording:
@@ -77,8 +76,3 @@ def make(
     """Return the replaying node for a run."""
     kind = ReplayClock if is_clock(spec) else ReplayNode
     return kind(context, spec, run, parameters, recording(spec, run))
-
-
-def main() -> None:
-    """Replay one node alone in a process."""
-    spin_alone("replay", make)

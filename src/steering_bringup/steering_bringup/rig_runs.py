@@ -58,10 +58,37 @@ class RigChoice:
             notes.append(f"the rig has its own physics: effects of the plant do nothing ({listed})")
         return notes
 
+    def own_connection(self) -> Connection:
+        """Return the connection to a rig that somebody else starts; BenchError for an emulated one.
+
+        Its link's places are only known when it is started.
+        """
+        if self.rig.emulator is not None:
+            raise BenchError(
+                f"the rig '{self.rig.name}' is emulated: start it with its nodes, by 'steer run "
+                "--plant rig' or 'ros2 launch steering_bringup rig.launch.py'"
+            )
+        return Connection(self._parameters())
+
+    def launched(self) -> tuple[Connection, list[str]]:
+        """Return the connection, and the command that starts an emulated rig; empty for hardware.
+
+        BenchError for a link that is more than one process.
+        """
+        if self.rig.emulator is None:
+            return self.own_connection(), []
+        from rig_bridge.emulated import command
+
+        settings, words = command(self.path, self.rig, self.link, PRIORITY)
+        return Connection({**self._parameters(), "settings": json.dumps(settings)}), words
+
+    def _parameters(self) -> dict[str, Any]:
+        return {"rig": str(self.path), "link": self.link, "on_fault": self.on_fault}
+
     @contextmanager
     def connected(self) -> Iterator[Connection]:
         """Start the emulated rig, if it is one; it ends with the context."""
-        own = {"rig": str(self.path), "link": self.link, "on_fault": self.on_fault}
+        own = self._parameters()
         if self.rig.emulator is None:
             yield Connection(own)
             return

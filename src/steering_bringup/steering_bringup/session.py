@@ -26,10 +26,12 @@ def run_all(
     plans: Sequence[Plan],
     on_outcome: Callable[[Outcome], None],
     zygote: Zygote | None = None,
+    on_start: Callable[[str], None] | None = None,
 ) -> list[Outcome]:
     """Run ``plans`` in order; the first that does not end well is the last that is run.
 
-    Checks all of them before the first starts. zygote: a ``forerunner`` that was started earlier,
+    Checks all of them before the first starts. on_start: is told of each graph where it is seen.
+    zygote: a ``forerunner`` that was started earlier,
     where time matters.
     """
     for plan in plans:
@@ -54,7 +56,7 @@ def run_all(
         for plan in plans:
             if plan.bag is not None:
                 make_folder(plan.bag.parent)
-            outcomes.append(_run(plan, zygote))
+            outcomes.append(_run(plan, zygote, on_start))
             outcomes[-1].notes[:0] = plan.notes()
             if len(outcomes) > 1:
                 outcomes[-1].since_command = 0.0
@@ -83,14 +85,14 @@ def make_folder(folder: Path) -> None:
         raise BenchError(f"the folder '{place}' cannot be made: {error.strerror}") from None
 
 
-def _run(plan: Plan, zygote: Zygote | None) -> Outcome:
+def _run(plan: Plan, zygote: Zygote | None, on_start: Callable[[str], None] | None) -> Outcome:
     if plan.manner.runner == "direct":
         from steering_bringup.direct_run import run_direct
 
         return run_direct(plan)
     from steering_bringup.graph_run import run_through_graph
 
-    return run_through_graph(plan, zygote)
+    return run_through_graph(plan, zygote, on_start)
 
 
 def compare_bags(first: Path, second: Path, page: Path) -> tuple[list[str], dict[str, object]]:

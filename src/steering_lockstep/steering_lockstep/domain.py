@@ -1,16 +1,25 @@
-"""A ROS domain for this run alone, so that two runs on one machine never meet."""
+"""A ROS domain for this run alone, so that two runs on one machine never meet.
+
+Unless one is asked for: by ``--domain``, which sets ROS_DOMAIN_ID, or by that variable. In one
+domain two runs need namespaces.
+"""
 
 from __future__ import annotations
 
 import os
 import socket
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 # Domains up to 101 have ports below the kernel's ephemeral range.
 CANDIDATES = tuple(range(1, 102))
 DISCOVERY_PORT = 7400
 PORTS_PER_DOMAIN = 250
+LONGEST_NAME = 100
+"""Bytes of a name in the kernel's socket space, with room to spare."""
+VARIABLE = "ROS_DOMAIN_ID"
+LAST_DOMAIN = 232
+"""Beyond it the ports of DDS end."""
 
 
 class DomainError(RuntimeError):
@@ -29,15 +38,38 @@ class DomainClaim:
         self._socket.close()
 
 
-def claim_domain(asked: int | None = None, candidates: Iterable[int] = CANDIDATES) -> DomainClaim:
+def asked_domain(environment: Mapping[str, str]) -> int | None:
+    """Return the domain that ROS_DOMAIN_ID asks for, None where it is not set.
+
+    Raises ``DomainError`` for what is no domain.
+    """
+    text = environment.get(VARIABLE, "").strip()
+    return checked_domain(text, VARIABLE) if text else None
+
+
+def checked_domain(text: str, name: str) -> int:
+    """Return the number of a domain; ``DomainError`` with the ``name`` of who asks for it."""
+    if not (text.isascii() and text.isdigit() and int(text) <= LAST_DOMAIN):
+        raise DomainError(f"{name} must be a number from 0 to {LAST_DOMAIN}, it is '{text}'")
+    return int(text)
+
+
+def claim_domain(
+    asked: int | None = None, candidates: Iterable[int] = CANDIDATES, namespace: str = ""
+) -> DomainClaim:
     """Claim ``asked``, or a domain that no other run and no DDS participant here uses.
 
-    Raises ``DomainError``.
+    In an asked-for domain there may be other runs, each in a ``namespace`` of its own. Raises
+    ``DomainError``.
     """
     if asked is not None:
-        claim = _claim(asked)
+        claim = _claim(asked, namespace)
         if claim is None:
-            raise DomainError(f"ROS_DOMAIN_ID {asked} is used by another run on this machine")
+            raise DomainError(
+                f"ROS_DOMAIN_ID {asked} is used by another run on this machine"
+                f"{f' in the namespace {namespace}' if namespace else ''}: take another --domain "
+                "or --namespace"
+            )
         return claim
     candidates = tuple(candidates)
     start = os.getpid() % len(candidates)
@@ -48,11 +80,11 @@ def claim_domain(asked: int | None = None, candidates: Iterable[int] = CANDIDATE
     raise DomainError("no free ROS_DOMAIN_ID on this machine")
 
 
-def _claim(number: int) -> DomainClaim | None:
+def _claim(number: int, namespace: str = "") -> DomainClaim | None:
     """Bind a name in the kernel's abstract socket space: no file, one owner, gone with it."""
     holder = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     try:
-        holder.bind(f"\0steering-bench-domain-{number}")
+        holder.bind(f"\0steering-bench-domain-{number}{namespace}"[:LONGEST_NAME])
     except OSError:
         holder.close()
         return None

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from steering_lockstep.graph import Graph, GraphError, NodeSpec, check_graph
+from steering_lockstep.names import Names
 from steering_lockstep.settings import RunSettings
 
 
@@ -27,7 +28,11 @@ def write_run(
         "nodes": _nodes(run.graph),
         "ticks": run.ticks,
         "real_time": run.real_time,
+        "urgent": run.urgent,
+        "wait_for": sorted(run.wait_for),
         "rest": {name: list(values) for name, values in run.rest.items()},
+        "namespace": run.names.namespace,
+        "remaps": dict(run.names.remaps),
         "parameters": {name: dict(values) for name, values in parameters.items()},
     }
     _write(content, path)
@@ -38,14 +43,31 @@ def read_graph(path: str | Path) -> Graph:
     return _graph(_read(path), path)
 
 
-def read_run(path: str | Path) -> tuple[RunSettings, dict[str, dict[str, Any]]]:
-    """Return (settings, parameters by node) of what ``write_run`` wrote; raises ``GraphError``."""
+def read_run(
+    path: str | Path, ticks: int | None = None, real_time: bool = False
+) -> tuple[RunSettings, dict[str, dict[str, Any]]]:
+    """Return (settings, parameters by node) of a file; raises ``GraphError``.
+
+    ``ticks``: another length, which a file of ``write_graph`` lacks; ``real_time``: in any case.
+    """
     content = _read(path)
     graph = _graph(content, path)
+    if ticks is None and "ticks" not in content:
+        raise GraphError(f"'{path}' does not tell the length of the run: give --ticks")
     try:
-        rest: dict[str, Sequence[float]] = dict(content["rest"])
-        settings = RunSettings(graph, int(content["ticks"]), rest, bool(content["real_time"]))
-        parameters = {name: dict(values) for name, values in content["parameters"].items()}
+        rest: dict[str, Sequence[float]] = dict(content.get("rest", {}))
+        names = Names(content.get("namespace", ""), dict(content.get("remaps", {})))
+        settings = RunSettings(
+            graph,
+            int(content["ticks"] if ticks is None else ticks),
+            rest,
+            real_time or bool(content.get("real_time", False)),
+            bool(content.get("urgent", False)),
+            names=names,
+            wait_for=frozenset(content.get("wait_for", ())),
+        )
+        given = content.get("parameters", {})
+        parameters = {name: dict(values) for name, values in given.items()}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise GraphError(f"no run in '{path}': {type(error).__name__}: {error}") from None
     return settings, parameters

@@ -18,6 +18,7 @@ from steering_lockstep.endpoints import message_class, qos
 from steering_lockstep.errors import LockstepError
 from steering_lockstep.graph import Graph, NodeSpec
 from steering_lockstep.in_process import Outbox, Take
+from steering_lockstep.names import relative
 from steering_lockstep.ports import Ports, parts, picker
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.stall import Report
@@ -58,6 +59,7 @@ class LockstepNode(Node):
         super().__init__(
             spec.name,
             context=context,
+            cli_args=run.names.arguments(),
             use_global_arguments=parameters is None,
             enable_rosout=False,
             # A supervised run has no use for them, and pays for each endpoint as it starts.
@@ -163,15 +165,22 @@ class LockstepNode(Node):
     def unmatched(self) -> list[str]:
         """Return what is still missing before the first tick, in both directions."""
         missing = [
-            f"{name}: {publisher.get_subscription_count()} of {self.run.readers(name)} readers"
+            f"{name}: {count} of {needed} readers"
             for name, publisher in self._publishers_of.items()
-            if publisher.get_subscription_count() < self.run.readers(name)
+            if (count := publisher.get_subscription_count())
+            < (needed := self.run.awaited_readers(name))
         ]
         return missing + [
             f"{name}: no publisher"
             for name, plain in self._plain.items()
             if plain.real.handle.get_publisher_count() < 1
         ]
+
+    def destroy_node(self) -> None:
+        """Leave the ROS graph: others shall not take the node for alive until its lease is over."""
+        for publisher in self._publishers_of.values():
+            publisher.handle.__exit__(None, None, None)
+        super().destroy_node()
 
     def close(self) -> None:
         """Release what the node holds besides its ROS entities; called once at the end."""
@@ -227,7 +236,8 @@ class LockstepNode(Node):
         self.takers[name] = guarded
         if self.spec in self.run.handed(name):
             return
-        real = self.create_subscription(message_class(name), name, guarded, qos(), raw=True)
+        kind, quality = message_class(name), qos()
+        real = self.create_subscription(kind, relative(name), guarded, quality, raw=True)
         self._plain[name] = PlainSubscription(real, guarded)
 
     def _lead(self, leader: str, followers: Sequence[str]) -> None:
@@ -260,7 +270,7 @@ class LockstepNode(Node):
 
     def _emitter(self, name: str) -> Emit:
         """Return the function that packs, checks and forwards one message of topic ``name``."""
-        publisher = self.create_publisher(message_class(name), name, qos())
+        publisher = self.create_publisher(message_class(name), relative(name), qos())
         self._publishers_of[name] = publisher
         handle = publisher.handle
         handle.__enter__()  # kept in use for the node's life instead of once a message

@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from time import monotonic_ns
 from typing import Any, Literal
 
-from steering_lockstep.domain import DomainError, claim_domain
+from steering_lockstep.domain import DomainClaim, DomainError, claim_domain
 from steering_lockstep.graph import Graph
 from steering_lockstep.kinds import programs
 from steering_lockstep.middleware import ros_environment
+from steering_lockstep.names import NAMES, Names
 from steering_lockstep.outcome import Progress, RunError, RunResult
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.supervision import Child, Supervision
@@ -45,7 +46,9 @@ def run_graph(
     start_timeout: float = START_TIMEOUT,
     grace: float = 2.0,
     on_progress: Callable[[Progress], None] | None = None,
-    domain: int | None = None,
+    domain: int | DomainClaim | None = None,
+    names: Names = NAMES,
+    wait_for: Sequence[str] = (),
     zygote: Zygote | None = None,
     executor: str | None = None,
     urgent: bool = False,
@@ -59,7 +62,9 @@ def run_graph(
     seconds without a tick before the run is given up and the culprit named; ``start_timeout``:
     until the first tick; ``grace``: to close in order before being killed. ``on_progress`` is
     called from the caller's thread about ten times a second and at each change of phase.
-    ``domain``: ROS_DOMAIN_ID, by default a free one. ``zygote``: see ``preload``. ``executor``:
+    ``domain``: ROS_DOMAIN_ID, or the caller's claim on it; by default a free one. ``names``:
+    namespace and new names of topics. ``wait_for``: topics that somebody outside must listen to
+    before tick 0. ``zygote``: see ``preload``. ``executor``:
     "module:function" of another rclpy executor, for comparison. ``urgent``: wall time counts
     (hardware is the clock): the nodes' processes are real-time ones where this is permitted.
     ``external``: nodes that are started elsewhere (``standalone.run_alone``), in the same domain.
@@ -68,9 +73,20 @@ def run_graph(
     run in order (``stopped_by``; a second one at once); no process is left when it returns.
     """
     called = monotonic_ns()
-    settings = RunSettings(graph, ticks, dict(rest or {}), real_time, urgent)
+    settings = RunSettings(
+        graph,
+        ticks,
+        dict(rest or {}),
+        real_time,
+        urgent,
+        names=names,
+        wait_for=frozenset(wait_for),
+    )
     try:
-        claim = claim_domain(domain)
+        if isinstance(domain, DomainClaim):
+            claim, lent = domain, True
+        else:
+            claim, lent = claim_domain(domain, namespace=names.namespace), False
     except DomainError as error:
         failure = RunError("start", "", None, None, str(error))
         return RunResult(error=failure)
@@ -80,15 +96,16 @@ def run_graph(
     supervision = Supervision(settings, timeout, start_timeout, grace, on_progress)
     try:
         with supervision.signals():
-            for names in placement(graph, layout, external).values():
-                mine = {name: dict((parameters or {}).get(name, {})) for name in names}
-                job = Job(names, settings, claim.number, mine, ros, executor, tuple(external))
-                supervision.add(Child(names, *crew.fork("steering_lockstep.worker:work", job)))
+            for group in placement(graph, layout, external).values():
+                mine = {name: dict((parameters or {}).get(name, {})) for name in group}
+                job = Job(group, settings, claim.number, mine, ros, executor, tuple(external))
+                supervision.add(Child(group, *crew.fork("steering_lockstep.worker:work", job)))
             result = supervision.run(crew)
     finally:
         if own:
             crew.close()
-        claim.release()
+        if not lent:
+            claim.release()
     result.domain = claim.number
     if supervision.started_at:
         result.first_tick_time = (supervision.started_at - called) * 1e-9

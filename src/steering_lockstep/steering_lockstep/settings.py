@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from steering_lockstep.barrier import Input
 from steering_lockstep.graph import Graph, NodeSpec
+from steering_lockstep.names import NAMES, Names
 from steering_lockstep.topics import CREDIT, topic, wire
 
 CREDIT_TICKS = 1000
@@ -18,7 +19,8 @@ class RunSettings:
     """``ticks``: 0 to ticks - 1; ``rest``: values before a delayed input's first message.
 
     ``urgent``: wall time counts, because hardware is the clock. ``together``: the nodes of this
-    process, where they hand messages over to each other by a call.
+    process, where they hand messages over to each other by a call. ``names``: how others see its
+    topics; ``wait_for``: topics with a listener outside the graph, which is waited for.
     """
 
     graph: Graph
@@ -27,6 +29,8 @@ class RunSettings:
     real_time: bool = False
     urgent: bool = False
     together: frozenset[str] = frozenset()
+    names: Names = NAMES
+    wait_for: frozenset[str] = frozenset()
 
     def every(self, name: str) -> int:
         """Return the ticks between two messages on topic ``name``."""
@@ -66,3 +70,7 @@ class RunSettings:
     def readers(self, name: str) -> int:
         """Return how many subscriptions of the graph topic ``name`` has."""
         return len(self.graph.readers(name)) - len(self.handed(name)) + (name == CREDIT)
+
+    def awaited_readers(self, name: str) -> int:
+        """Return how many subscriptions there must be before tick 0, a listener's among them."""
+        return self.readers(name) + (name in self.wait_for)

@@ -81,6 +81,12 @@ class Spinner:
         self.stopped = True
         self._future.set_result(None)
 
+    def close(self) -> None:
+        """Let go of the nodes, so that they can leave the ROS graph; not while ``run`` runs."""
+        for node in self.nodes:
+            self.executor.remove_node(node)
+        self.executor.shutdown()
+
     def _renew(self) -> None:
         """A future that is done ends every later spin at once: take a new one."""
         if self._future.done():

@@ -1,6 +1,6 @@
 """One node alone in a process, without a supervisor: started by hand, or on another computer.
 
-    plant_node --graph graph.json --ticks 20000 --ros-args -p valve_system:=open_centre
+    plant_node --graph graph.json --ros-args -p valve_system:=open_centre
 
 Every node of the graph is started like this, in any order and on any computer of the ROS domain.
 They begin once each of them has said that all its connections are matched.
@@ -10,26 +10,36 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
 import sys
+import tempfile
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from signal import SIGINT, Signals
 from time import monotonic
 from typing import Any
 
 import rclpy
+import yaml
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from steering_core.errors import BenchError
+from steering_lockstep.ending import Ending
 from steering_lockstep.errors import LockstepError
-from steering_lockstep.graph import Graph, NodeSpec
-from steering_lockstep.graph_file import read_graph
+from steering_lockstep.graph import Graph, GraphError, NodeSpec
+from steering_lockstep.graph_file import read_run
+from steering_lockstep.kinds import factory
 from steering_lockstep.middleware import ros_environment
+from steering_lockstep.names import relative
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.settings import RunSettings
 from steering_lockstep.spinner import Spinner
+from steering_lockstep.urgency import hurry
 
 READY = "/lockstep/ready"
 WAIT, TIMEOUT = 60.0, 10.0
@@ -37,19 +47,31 @@ WAIT, TIMEOUT = 60.0, 10.0
 MATCHING_STEP = 0.02
 COMPLAIN_AFTER = 2.0
 LINGER = Duration(seconds=2.0)
+SIGNALLED = 128
+"""Exit status of a process that a signal ended: this and the signal's number."""
 Make = Callable[..., LockstepNode]
+EPILOG = """The file is what 'steer graph SCENARIO --out FILE' writes: the graph, its length and the
+parameters of every node. What follows --ros-args is ROS's and comes before the file: parameters
+(-p NAME:=VALUE, --params-file), namespace (-r __ns:=/car1) and names (-r driver/torque:=other)."""
 
 
-def spin_alone(kind: str, make: Make) -> None:
-    """Run the node of ``kind`` that the command line names, and end the process.
+def spin_alone(kind: str | None) -> int:
+    """Run the node of ``kind`` (None: of any) that the command line names; return the status.
 
-    Status 0 only if the node did all its ticks and closed well.
+    0 where the node did all its ticks and closed well, or was told to end by SIGINT: so a launch
+    that is interrupted takes it for what it is, an orderly end.
     """
     options = _options(kind)
-    graph = read_graph(options.graph)
-    spec = _spec(graph, kind, options.name)
-    run = RunSettings(graph, options.ticks)
-    raise SystemExit(run_alone(make, spec, run, None, options.wait, options.timeout))
+    try:
+        run, parameters = read_run(options.graph, options.ticks, options.real_time)
+        spec = _spec(run.graph, kind, options.name)
+        make = factory(spec.kind)
+        with _arguments(parameters.get(spec.name, {})) as words:
+            status = run_alone(make, spec, run, None, options.wait, options.timeout, words)
+    except (GraphError, BenchError, KeyError, AttributeError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    return 0 if status == SIGNALLED + SIGINT else status
 
 
 def run_alone(
@@ -59,27 +81,41 @@ def run_alone(
     parameters: Mapping[str, Any] | None,
     wait: float = WAIT,
     timeout: float = TIMEOUT,
+    words: Sequence[str] = (),
 ) -> int:
     """Run one node in this process to its last tick; return 0 only if it did and closed well.
 
-    ``parameters``: ROS parameters; None: from the command line. ``wait`` [s]: for all nodes of the
-    graph to come up, ``timeout`` [s]: without a tick; the error says who is missing.
+    ``parameters``: ROS parameters; None: from the command line ``words``. ``wait`` [s]: for all
+    nodes of the graph to come up, ``timeout`` [s]: without a tick; the error says who is missing.
+    SIGINT and SIGTERM end it in order; the status is then 128 and the signal's number.
     """
     os.environ.update(ros_environment(os.environ))
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
     context = Context()
-    rclpy.init(args=sys.argv if parameters is None else None, context=context)
-    node = make(context, spec, run, parameters)
+    own = SignalHandlerOptions.NO
+    args = list(words) if parameters is None else None
+    rclpy.init(args=args, context=context, signal_handler_options=own)
+    try:
+        node = make(context, spec, run, parameters)
+    except Exception as error:
+        print(f"error: node '{spec.name}' cannot start: {error}", file=sys.stderr)
+        context.try_shutdown()
+        return 1
+    ending = Ending()  # before, there was nothing to end in order
+    spinner: Spinner | None = None
     try:
         spinner = Spinner(context, [node])
-        started = threading.Event()
-        watch = (spinner, node, started, timeout)
-        threading.Thread(target=_watch, args=watch, daemon=True).start()
+        watch = _Watch(spinner, node, ending, timeout)
+        threading.Thread(target=watch.watch, daemon=True).start()
         if _start(spinner, node, wait):
-            started.set()
+            watch.started.set()
+            if run.urgent:
+                hurry([spec.kind])
             spinner.run()
-        return _end(spinner, node)
+        return _end(spinner, node, watch)
     finally:
+        ending.ignore()
+        if spinner is not None:
+            spinner.close()
         node.destroy_node()
         context.try_shutdown()
 
@@ -93,21 +129,39 @@ def ready_qos() -> QoSProfile:
     )
 
 
-def _options(kind: str) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=f"One {kind} of a bench's graph.")
-    parser.add_argument("--graph", required=True, metavar="FILE", help="the graph as JSON")
-    parser.add_argument("--ticks", type=int, required=True, help="length of the run in ms")
-    parser.add_argument("--name", help="node of the graph, where several are of this kind")
-    parser.add_argument("--wait", type=float, default=WAIT, help="s for all nodes to come up")
-    parser.add_argument("--timeout", type=float, default=TIMEOUT, help="s without a tick")
+def _options(kind: str | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=f"One {kind or 'node'} of a bench's graph.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = parser.add_argument
+    add("--graph", required=True, metavar="FILE", help="the graph as JSON")
+    add("--name", metavar="NODE", help="node of the graph, where several are of this kind")
+    add("--ticks", type=int, metavar="N", help="another length of the run in ms than the file's")
+    add("--real-time", action="store_true", help="the plant paces the ticks to the wall clock")
+    add("--wait", type=float, metavar="S", default=WAIT, help="for all nodes to come up")
+    add("--timeout", type=float, metavar="S", default=TIMEOUT, help="without a tick")
     return parser.parse_args(remove_ros_args(sys.argv)[1:])
 
 
-def _spec(graph: Graph, kind: str, name: str | None) -> NodeSpec:
-    fitting = [n for n in graph.nodes if n.kind == kind and name in (None, n.name)]
+@contextmanager
+def _arguments(parameters: Mapping[str, Any]) -> Iterator[list[str]]:
+    """Give the command line with the file's parameters before those that are written there."""
+    with tempfile.TemporaryDirectory(prefix="steering-node-") as folder:
+        file = Path(folder, "parameters.yaml")
+        content = {"/**": {"ros__parameters": dict(parameters)}}
+        file.write_text(yaml.safe_dump(content), encoding="utf-8")
+        first = ["--ros-args", "--params-file", str(file), "--"] if parameters else []
+        yield [sys.argv[0], *first, *sys.argv[1:]]
+
+
+def _spec(graph: Graph, kind: str | None, name: str | None) -> NodeSpec:
+    of_kind = [n for n in graph.nodes if kind in (None, n.kind)]
+    fitting = [n for n in of_kind if name in (None, n.name)]
     if len(fitting) != 1:
-        names = ", ".join(n.name for n in graph.nodes if n.kind == kind) or "none"
-        raise SystemExit(f"--name must name one {kind} of the graph; there is: {names}")
+        names = ", ".join(n.name for n in of_kind) or "none"
+        raise GraphError(f"--name must name one {kind or 'node'} of the graph; there is: {names}")
     return fitting[0]
 
 
@@ -137,8 +191,8 @@ class Others:
 
         self.missing = sorted({n.name for n in graph.nodes} - {node.spec.name})
         self._string = String
-        node.create_subscription(String, READY, self._note, ready_qos())
-        self._publisher = node.create_publisher(String, READY, ready_qos())
+        node.create_subscription(String, relative(READY), self._note, ready_qos())
+        self._publisher = node.create_publisher(String, relative(READY), ready_qos())
 
     def tell(self, names: Iterable[str]) -> None:
         """Say that the nodes called ``names`` are ready."""
@@ -154,28 +208,44 @@ def _not_ready(node: LockstepNode, what: Iterable[str], wait: float) -> Lockstep
     return LockstepError("start", node.spec.name, None, None, text)
 
 
-def _watch(spinner: Spinner, node: LockstepNode, started: threading.Event, timeout: float) -> None:
-    """Stop on SIGTERM; say on stderr what the node waits for when nothing moves, then give up."""
-    before, moved = -1, monotonic()
-    while True:
-        if signal.sigtimedwait({signal.SIGTERM}, min(COMPLAIN_AFTER, timeout)) is not None:
-            spinner.stop()
-            return
-        report = node.report()
-        if report.tick != before or node.finished or not started.is_set():
-            before, moved = report.tick, monotonic()
-            continue
-        publishers = node.run.graph.publisher
-        lacking = [f"{name} of node '{publishers[name]}'" for name in report.lacking]
-        what = f"tick {report.tick} waits for {', '.join(lacking) or 'nothing'}"
-        if monotonic() - moved >= timeout:
-            text = f"nothing for {timeout:g} s; {what}"
-            spinner.fail(LockstepError("timeout", node.spec.name, None, report.tick, text))
-            return
-        print(f"{node.spec.name}: {what}", file=sys.stderr)
+class _Watch:
+    """Stops on a signal; says on stderr what the node waits for when nothing moves, then gives up.
+
+    ``told``: the number of the signal that came.
+    """
+
+    def __init__(
+        self, spinner: Spinner, node: LockstepNode, ending: Ending, timeout: float
+    ) -> None:
+        self.started = threading.Event()
+        self.told: int | None = None
+        self._spinner, self._node, self._ending, self._timeout = spinner, node, ending, timeout
+
+    def watch(self) -> None:
+        """Watch until a signal comes or the time is over."""
+        spinner, node, timeout = self._spinner, self._node, self._timeout
+        before, moved = -1, monotonic()
+        while True:
+            self.told = self._ending.wait(min(COMPLAIN_AFTER, timeout))
+            if self.told is not None:
+                spinner.stop()
+                return
+            report = node.report()
+            idle = node.finished or not self.started.is_set() or getattr(node, "preparing", False)
+            if report.tick != before or idle:
+                before, moved = report.tick, monotonic()
+                continue
+            publishers = node.run.graph.publisher
+            lacking = [f"{name} of node '{publishers[name]}'" for name in report.lacking]
+            what = f"tick {report.tick} waits for {', '.join(lacking) or 'nothing'}"
+            if monotonic() - moved >= timeout:
+                text = f"nothing for {timeout:g} s; {what}"
+                spinner.fail(LockstepError("timeout", node.spec.name, None, report.tick, text))
+                return
+            print(f"{node.spec.name}: {what}", file=sys.stderr)
 
 
-def _end(spinner: Spinner, node: LockstepNode) -> int:
+def _end(spinner: Spinner, node: LockstepNode, watch: _Watch) -> int:
     """Let what was published arrive, close the node, and return the exit status."""
     if spinner.error is not None:
         print(f"error: {spinner.error}", file=sys.stderr)
@@ -183,4 +253,9 @@ def _end(spinner: Spinner, node: LockstepNode) -> int:
         for publisher in node.publishers:
             publisher.wait_for_all_acked(LINGER)
     node.close()
+    if spinner.error is None and not spinner.finished and watch.told is not None:
+        name, tick = Signals(watch.told).name, node.barrier.tick
+        where = f"at tick {tick} of {node.run.ticks}" if watch.started.is_set() else "before tick 0"
+        print(f"{node.spec.name}: told to end by {name} {where}", file=sys.stderr)
+        return SIGNALLED + watch.told
     return 0 if spinner.finished and spinner.error is None else 1

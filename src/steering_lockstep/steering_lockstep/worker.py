@@ -76,12 +76,16 @@ def work(connection: Connection, job: Job) -> None:
     context = Context()
     rclpy.init(context=context, domain_id=job.domain)
     nodes: list[LockstepNode] = []
+    spinner: Spinner | None = None
     try:
         nodes = _build(link, context, job)
         if len(nodes) == len(job.names):
-            _run(link, Spinner(context, nodes, _executor(job, context)), job)
+            spinner = Spinner(context, nodes, _executor(job, context))
+            _run(link, spinner, job)
         _close(link, nodes)
     finally:
+        if spinner is not None:
+            spinner.close()
         for node in nodes:
             node.destroy_node()
         context.try_shutdown()

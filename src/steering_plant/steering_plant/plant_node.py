@@ -18,7 +18,6 @@ from steering_lockstep.core_parameters import check_own, effects_of, parameter_s
 from steering_lockstep.graph import NodeSpec
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import LOAD_COMMAND
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import description as effect_description
@@ -72,8 +71,3 @@ def make(
 ) -> PlantNode:
     """Return the plant's node for a run."""
     return PlantNode(context, spec, run, parameters, build_plant)
-
-
-def main() -> None:
-    """Run the plant alone in a process."""
-    spin_alone("plant", make)

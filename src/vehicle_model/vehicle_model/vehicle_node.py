@@ -16,7 +16,6 @@ from steering_lockstep.graph import NodeSpec
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports, section
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import topic
 from vehicle_model.loads import make_load
 from vehicle_model.model import slots, step
@@ -80,8 +79,3 @@ def make(
 ) -> VehicleNode:
     """Return the vehicle's node for a run."""
     return VehicleNode(context, spec, run, parameters, vehicle_builder(run.ticks))
-
-
-def main() -> None:
-    """Run the vehicle alone in a process."""
-    spin_alone("vehicle", make)

@@ -17,10 +17,10 @@ from pressure_control.overlay.arbiter import OverlayArbiter
 from steering_lockstep.core_parameters import check_own, parameter_set
 from steering_lockstep.diagnostics import OK, WARN, Diagnostics
 from steering_lockstep.graph import NodeSpec
+from steering_lockstep.names import relative
 from steering_lockstep.node import LockstepNode
 from steering_lockstep.ports import Ports
 from steering_lockstep.settings import RunSettings
-from steering_lockstep.standalone import spin_alone
 from steering_lockstep.topics import APPLIED, OVERLAY, overlay_source
 
 MEASURED = (
@@ -72,7 +72,7 @@ class ArbiterNode(LockstepNode):
         from steering_msgs.msg import TorqueOverlay
 
         quality = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self.create_subscription(TorqueOverlay, OVERLAY, self._hear, quality)
+        self.create_subscription(TorqueOverlay, relative(OVERLAY), self._hear, quality)
 
     def _hear(self, message: Any) -> None:
         """Take a guest's message; any reliability of its publisher fits."""
@@ -105,8 +105,3 @@ def make(
 ) -> ArbiterNode:
     """Return the arbiter's node for a run."""
     return ArbiterNode(context, spec, run, parameters)
-
-
-def main() -> None:
-    """Run the arbiter alone in a process."""
-    spin_alone("overlay_arbiter", make)

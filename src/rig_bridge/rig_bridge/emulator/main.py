@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from pathlib import Path
@@ -17,7 +18,7 @@ from rig_bridge.rig_file import RigFile, load_rig
 from rig_bridge.transport.link import Link
 from rig_bridge.transport.registry import TRANSPORTS, open_link
 from steering_core.errors import BenchError
-from steering_lockstep.urgency import without_pauses
+from steering_lockstep.urgency import hasten, without_pauses
 
 SHIPPED = Path(__file__).resolve().parents[1] / "rigs"
 
@@ -38,6 +39,9 @@ def parser() -> argparse.ArgumentParser:
     arguments.add_argument("--settings", metavar="JSON", help="all settings, of several buses too")
     arguments.add_argument(
         "--attached", action="store_true", help="end when standard input is closed"
+    )
+    arguments.add_argument(
+        "--priority", type=int, default=0, metavar="N", help="of the real-time scheduler"
     )
     arguments.add_argument("--duration", type=float, default=float("inf"), metavar="S")
     return arguments
@@ -92,6 +96,8 @@ def main() -> int:
         print(f"rig_emulator: {error}", file=sys.stderr)
         return 2
     rig = EmulatedRig(table, settings, link.sequence_bits)
+    if arguments.priority:
+        hasten(os.getpid(), arguments.priority)
     without_pauses()  # one would be longer than the rig's own watchdog allows
     stop.listen()
     print(json.dumps({"ready": table.name}), flush=True)

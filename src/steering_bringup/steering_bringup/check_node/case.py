@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 import tempfile
 import time
@@ -27,7 +28,7 @@ from steering_bringup.check_node.program import Program
 from steering_bringup.check_node.record import MEMBER, Record, Subject
 from steering_bringup.node_parameters import changed_values
 from steering_bringup.schema import NodeSet, Scenario
-from steering_lockstep.domain import claim_domain
+from steering_lockstep.domain import asked_domain, claim_domain
 from steering_lockstep.graph import CLOCK, NodeSpec, check_graph
 from steering_lockstep.graph_file import write_graph
 
@@ -59,7 +60,7 @@ class Case:
 
     def run(self) -> Record:
         """Run it to the end, or to where the node's process ended."""
-        claim, topics = claim_domain(), self.car.messages(0)
+        claim, topics = claim_domain(asked_domain(os.environ)), self.car.messages(0)
         guest = self.subject.style == "guest"
         try:
             with (

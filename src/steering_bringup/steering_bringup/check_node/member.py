@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from steering_lockstep.kinds import factory
-from steering_lockstep.standalone import spin_alone
+from steering_lockstep.executables import run
 
 if __name__ == "__main__":
-    kind = sys.argv.pop(1)
-    spin_alone(kind, factory(kind))
+    run(sys.argv.pop(1))

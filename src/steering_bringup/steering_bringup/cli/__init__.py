@@ -13,10 +13,14 @@ from importlib import import_module
 from typing import Any
 
 from steering_bringup.cli import streams
+from steering_bringup.cli.ros_arguments import settled
+from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
+from steering_core.requirements import missing_text
 
 COMMANDS = {
     "run": "run a scenario through the ROS graph (or --direct), record and compare",
+    "graph": "write the graph of a run for its nodes' executables, as ros2 launch starts them",
     "node": "run one node of a run by hand, on this or another computer",
     "play": "publish a bag on ROS topics, at any rate",
     "check-node": "check an overlay node: feed it the bench, inject faults, give a verdict",
@@ -65,6 +69,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     with contextlib.suppress(OSError):
         # Last, so that it shadows nothing: where a node of one's own (MODULE:FUNCTION) is found.
         sys.path.append(os.getcwd())
+    try:
+        arguments = settled(arguments)
+    except BenchError as error:
+        print(f"steer: {error}", file=sys.stderr)
+        return USAGE
     with nothing_to_lose():
         parser = _parser(arguments)
     options, unknown = parser.parse_known_args(arguments)
@@ -91,6 +100,15 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         except OSError:
             streams.be_quiet(sys.stdout)
+        return FAILED
+
+
+def console() -> int:
+    """Run one command as an installed program; what is missing for an import is named."""
+    try:
+        return main()
+    except ImportError as error:
+        print(f"steer: {missing_text(error)}", file=sys.stderr)
         return FAILED
 
 
@@ -168,6 +186,8 @@ def _hint(word: str, known: Iterable[str]) -> str:
 
 def _one_line(error: Exception) -> str:
     """Return an error's text on one line; an unforeseen one tells how to see more."""
+    if isinstance(error, ModuleNotFoundError):
+        return missing_text(error)
     text = " ".join(str(error).split()) or type(error).__name__
     if type(error).__module__.partition(".")[0] in OWN_PACKAGES:
         return text

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from steering_bringup.cli.ros_options import add_domain, settle_domain
 from steering_bringup.errors import BenchError
 from steering_bringup.outputs import write_json
 
@@ -31,6 +32,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--inputs", metavar="TOPIC", nargs="+", default=["/vehicle/odometry"], help="of a kind")
     add("--period", metavar="TICKS", type=int, default=10, help="of a kind, in ms (default: 10)")
     add("--scenario", metavar="NAME", default="overlay_check", help="the drive, by name or file")
+    add_domain(parser)
     add("--timeout", metavar="S", type=float, default=20.0, help="for the node to come up")
     add("--json", metavar="FILE", type=Path, help="write the verdicts for machines")
 
@@ -39,6 +41,7 @@ def execute(options: argparse.Namespace) -> int:
     """Check, print the table, and tell by the status whether all passed."""
     from steering_bringup.check_node.checking import check
 
+    settle_domain(options)
     subject = _subject(options)
     verdicts = check(subject, options.scenario, options.faults, options.timeout)
     print("\n".join(table(verdicts)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.cli.ros_options import add_domain, settle_domain
 from steering_bringup.errors import BenchError
 from steering_core.naming import unknown
 
@@ -21,6 +22,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("file", metavar="FILE", type=Path, help="nodes.json of 'steer run --external'")
     add("name", metavar="NODE", help="the node's name in it")
+    add_domain(parser, "0")
     add("--wait", metavar="S", type=float, default=60.0, help="s for the run (default: 60)")
     add("--timeout", metavar="S", type=float, default=10.0, help="s without a tick (default: 10)")
 
@@ -34,6 +36,7 @@ def execute(options: argparse.Namespace) -> int:
 
     if not (options.wait > 0.0 and options.timeout > 0.0):
         raise BenchError("--wait and --timeout must be greater than 0 s")
+    settle_domain(options)
     try:
         run, parameters = read_run(options.file)
     except GraphError as error:

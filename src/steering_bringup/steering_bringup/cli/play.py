@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from steering_bringup.cli.ros_options import add_domain, settle_domain
 from steering_bringup.errors import BenchError
 from steering_bringup.outputs import write_json
 
@@ -58,7 +59,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="begin when this published topic has a subscriber; repeatable",
     )
-    add("--domain", metavar="N", type=int, help="ROS domain (default: ROS_DOMAIN_ID, or 0)")
+    add_domain(how, "0")
     add(
         "--range",
         choices=("LOCALHOST", "SUBNET"),
@@ -94,8 +95,6 @@ def _wish(options: argparse.Namespace) -> Wish:
     for name in ("clock", "delay"):
         if not 0.0 <= getattr(options, name) < 1e6:
             raise BenchError(f"--{name} must not be negative, got {getattr(options, name):g}")
-    if options.domain is not None and not 0 <= options.domain <= 232:
-        raise BenchError(f"--domain must be 0 to 232, got {options.domain}")
     return Wish(
         options.bag,
         rate=rate,
@@ -108,7 +107,7 @@ def _wish(options: argparse.Namespace) -> Wish:
         clock=options.clock,
         delay=options.delay,
         wait_for=tuple(options.wait_for),
-        domain=options.domain,
+        domain=settle_domain(options),
         discovery=options.range,
     )
 

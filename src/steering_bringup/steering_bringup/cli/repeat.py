@@ -6,6 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from steering_bringup.cli.ros_options import add_domain, settle_domain
+
 EXAMPLES = """examples:
   steer repeat results/on_centre-1/closed_centre
   steer repeat results/on_centre-1/closed_centre --direct
@@ -18,6 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("bag", metavar="BAG", type=Path, help="folder of a recorded run")
     add("--direct", action="store_true", help="without ROS")
     add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
+    add_domain(parser)
     add("--out", metavar="DIR", type=Path, help="folder of the new bag (default: results/repeat-n)")
 
 
@@ -30,13 +33,14 @@ def execute(options: argparse.Namespace) -> int:
     from steering_bringup.session import run_all
     from steering_bringup.summary import lines
 
+    settle_domain(options)
     recorded = read_bag(options.bag, repair_damage=False)
     folder = options.out or free_folder(Path("results"), "repeat")
     runner = "direct" if options.direct else None
     plan = plan_from_bag(recorded, folder / "bag", runner=runner, processes=options.processes)
     for line in differing_surroundings(recorded):
         print(f"note: {line}")
-    (outcome,) = run_all([plan], lambda done: print("\n".join(lines(done))))
+    (outcome,) = run_all([plan], lambda done: print("\n".join(lines(done))), None, print)
     if not outcome.ok or outcome.bag is None:
         print(f"steer repeat: {outcome.error or outcome.stopped_by}", file=sys.stderr)
         return FAILED

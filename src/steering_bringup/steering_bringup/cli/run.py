@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from steering_bringup.cli.ros_options import add_domain, add_names, settle_domain
 from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
 from steering_bringup.outputs import write_json
@@ -27,16 +28,16 @@ EXAMPLES = """examples:
   steer run step --from-bag driver=results/step-1/closed_centre
   steer run on_centre --node-set closed_centre --plant rig --rig-link can
   steer run lane_keeping --external lane_keeper --domain 42
+  steer run weave --real-time --domain 42 --namespace car1 --wait-for /steering/torque
   steer run --delay '/valve/left/command->plant=1' --delay '/valve/right/command->plant=1' \\
             --set valve_controller.resonance=400"""
 
+OF_THE_GRAPH = ("real_time", "processes", "domain", "namespace", "remap", "wait_for")
+"""Options that mean nothing without ROS."""
 
-LAST_DOMAIN = 232
-"""Beyond it the ports of DDS end."""
 
-
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
+def what_runs(parser: argparse.ArgumentParser) -> None:
+    """Declare the scenario and what changes it."""
     add = parser.add_argument
     add("scenario", nargs="?", default="on_centre", help="name (see 'steer list') or YAML file")
     what = parser.add_argument_group("what runs")
@@ -61,21 +62,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="what a node published in a bag, in its place; repeatable",
     )
-    how = parser.add_argument_group("how it runs")
-    add = how.add_argument
-    add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
-    add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
-    add("--real-time", action="store_true", help="pace the ticks to the wall clock")
-    add("--domain", metavar="N", type=int, help="ROS_DOMAIN_ID, for nodes outside (default: free)")
-    add("--timeout", metavar="S", type=float, default=2.0, help="s without a tick (default: 2)")
-    add(
-        "--external",
-        metavar="NODE",
-        action="append",
-        default=[],
-        help="a node that is started elsewhere, with 'steer node'; repeatable",
-    )
-    add("--wait", metavar="S", type=float, default=60.0, help="s for it to come up (default: 60)")
+
+
+def a_rig(parser: argparse.ArgumentParser) -> None:
+    """Declare what puts a rig in the plant's place."""
     rig = parser.add_argument_group("a rig in the plant's place")
     add = rig.add_argument
     add("--plant", choices=("simulated", "rig"), default="simulated", help="default: simulated")
@@ -86,6 +76,41 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         choices=("end", "hold"),
         help="in the safe state end the run (default), or go on until /rig/reset is called",
     )
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    what_runs(parser)
+    how = parser.add_argument_group("how it runs")
+    add = how.add_argument
+    add("--direct", action="store_true", help="without ROS: the same cores in one fast loop")
+    add("--processes", choices=("one", "each"), help="all nodes in one process, or one each")
+    add("--real-time", action="store_true", help="pace the ticks to the wall clock")
+    add_domain(how)
+    add_names(how)
+    add(
+        "--wait-for",
+        metavar="TOPIC",
+        action="append",
+        default=[],
+        help="tick 0 comes when somebody outside listens to this topic; repeatable",
+    )
+    add("--timeout", metavar="S", type=float, default=2.0, help="s without a tick (default: 2)")
+    add(
+        "--external",
+        metavar="NODE",
+        action="append",
+        default=[],
+        help="a node that is started elsewhere, with 'steer node'; repeatable",
+    )
+    add(
+        "--wait",
+        metavar="S",
+        type=float,
+        default=60.0,
+        help="s for who is waited for (default: 60)",
+    )
+    a_rig(parser)
     out = parser.add_argument_group("what is kept")
     add = out.add_argument
     add("--out", metavar="DIR", type=Path, help="folder (default: results/SCENARIO-1, -2, ...)")
@@ -107,11 +132,11 @@ def execute(options: argparse.Namespace) -> int:
                 zygote = stack.enter_context(forerunner())
             from steering_bringup.session import run_all
 
-            scenario = _scenario(options)
+            scenario = scenario_of(options)
             folder = _folder(options, scenario.name)
-            plans = _plans(options, scenario, folder)
+            plans = plans_of(options, scenario, folder)
             _prepare_external(plans, folder)
-        outcomes = run_all(plans, _tell, zygote)
+        outcomes = run_all(plans, _tell, zygote, _announce)
     report: dict[str, Any] = {"runs": [outcome.as_json() for outcome in outcomes]}
     if len(outcomes) == 2 and all(outcome.ok and outcome.bag for outcome in outcomes):
         report["comparison"] = _compare(outcomes, folder / "comparison.html")
@@ -122,13 +147,13 @@ def execute(options: argparse.Namespace) -> int:
     return _status(outcomes[-1])
 
 
-def _scenario(options: argparse.Namespace) -> Scenario:
+def scenario_of(options: argparse.Namespace) -> Scenario:
     """Return the scenario with all options applied, checked."""
     from steering_bringup.overrides import merge, set_delay, set_file, set_value
     from steering_bringup.scenario_files import check_scenario, find, open_scenario
 
     document = open_scenario(options.scenario)
-    if (choice := _rig(options)) is not None:
+    if (choice := rig_of(options)) is not None:
         given = document.data.get("parameters") or {}
         missing = {n: v for n, v in choice.rig.parameters.items() if n not in given}
         merge(document, missing, f"rig '{choice.rig.name}'")
@@ -149,7 +174,7 @@ def _scenario(options: argparse.Namespace) -> Scenario:
     return check_scenario(document, find("scenario", options.scenario).parent)
 
 
-def _rig(options: argparse.Namespace) -> RigChoice | None:
+def rig_of(options: argparse.Namespace) -> RigChoice | None:
     """Return the rig that takes the plant's place, checked; None where the plant is simulated."""
     if options.plant != "rig":
         for name in ("rig", "rig_link", "rig_fault"):
@@ -169,14 +194,15 @@ def _folder(options: argparse.Namespace, name: str) -> Path:
     return options.out or free_folder(Path("results"), name)
 
 
-def _plans(options: argparse.Namespace, scenario: Scenario, folder: Path) -> list[Plan]:
+def plans_of(options: argparse.Namespace, scenario: Scenario, folder: Path) -> list[Plan]:
+    """Return the checked plan of each node set, with its bag in ``folder``."""
     from steering_bringup.plans import for_node_set, make_plan, node_sets_of
 
     node_sets = node_sets_of(scenario)
     if options.record and (len(node_sets) > 1 or options.no_record):
         reason = "--no-record" if options.no_record else f"{len(node_sets)} node sets"
         raise BenchError(f"--record names one bag, but there is {reason}: use --out DIR")
-    rig = _rig(options)
+    rig = rig_of(options)
     label = "" if rig is None else "_rig"
     bags = {
         node_set.name: (options.record or folder / (node_set.name + label))
@@ -206,15 +232,15 @@ def _manner(options: argparse.Namespace) -> Manner:
 
     if not options.timeout > 0.0:
         raise BenchError(f"--timeout must be greater than 0 s, got {options.timeout:g}")
-    if options.direct and (options.real_time or options.processes or options.domain is not None):
-        raise BenchError(
-            "--direct runs in one loop as fast as it goes, without ROS: leave out --real-time, "
-            "--processes and --domain"
-        )
-    if options.domain is not None and not 0 <= options.domain <= LAST_DOMAIN:
-        raise BenchError(f"--domain must be from 0 to {LAST_DOMAIN}, got {options.domain}")
+    for name in OF_THE_GRAPH:
+        if options.direct and getattr(options, name):
+            raise BenchError(
+                "--direct runs in one loop as fast as it goes, without ROS: leave out "
+                f"--{name.replace('_', '-')}"
+            )
     runner: Any = "direct" if options.direct else "graph"
-    if options.external and (options.direct or options.domain is None):
+    domain = None if options.direct else settle_domain(options)
+    if options.external and (options.direct or domain is None):
         raise BenchError("--external needs the graph and --domain N, in which the node is found")
     if not options.wait > 0.0:
         raise BenchError(f"--wait must be greater than 0 s, got {options.wait:g}")
@@ -224,10 +250,13 @@ def _manner(options: argparse.Namespace) -> Manner:
         options.processes,
         options.real_time,
         options.timeout,
-        options.domain,
+        domain,
         external,
         options.wait,
         options.compress is not None,
+        options.namespace,
+        tuple(options.remap),
+        tuple(options.wait_for),
     )
 
 
@@ -245,6 +274,10 @@ def _prepare_external(plans: list[Plan], folder: Path) -> None:
         for name in plan.manner.external:
             print(f"start: ROS_DOMAIN_ID={plan.manner.domain} ./steer node {path} {name}")
         print(f"waiting for them for {plan.manner.wait:g} s", flush=True)
+
+
+def _announce(where: str) -> None:
+    print(where, flush=True)
 
 
 def _tell(outcome: Outcome) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from steering_bringup.cli.ros_options import add_domain, settle_domain
 from steering_bringup.outputs import write_json
 
 EXAMPLES = """examples:
@@ -25,6 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--set", metavar="NAME=VALUE", action="append", default=[], help="a parameter; repeatable")
     add("--exact", action="store_true", help="ideal sensors instead of usual ones")
     add("--graph", action="store_true", help="through the ROS graph")
+    add_domain(parser)
     add("--out", metavar="DIR", type=Path, help="folder (default: results/rig_test-1, -2, ...)")
     add("--json", metavar="FILE", type=Path, help="write the outcomes for machines")
 
@@ -43,6 +45,7 @@ def execute(options: argparse.Namespace) -> int:
         for test in RIG_TESTS.values():
             print(f"{test.name:16} {test.purpose} ({test.figure})")
         return 0
+    settle_domain(options)
     folder = options.out or free_folder(Path("results"), "rig_test")
     noise = {} if options.exact else TYPICAL_NOISE
     outcomes = record(

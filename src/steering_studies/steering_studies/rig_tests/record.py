@@ -41,7 +41,7 @@ def record(
             made = check_scenario(document, Path())
             node_set = load_node_set(made.node_set[0])
             plans.append(make_plan(made, node_set, Manner(runner), folder / run))
-    return run_all(plans, on_outcome)
+    return run_all(plans, on_outcome, None, print)
 
 
 def recorded(places: Iterable[Path]) -> dict[str, dict[str, np.ndarray]]:
