@@ -14,11 +14,12 @@ setup(
         ("share/" + NAME, ["package.xml"]),
     ],
     install_requires=["numpy", "scipy", "numba"],
-    extras_require={"fmu": ["fmpy", "PyYAML"]},
+    extras_require={"fmu": ["fmpy", "PyYAML"], "test": ["pytest"]},
     python_requires=">=3.11",
     zip_safe=False,
     maintainer="Steering bench maintainers",
     maintainer_email="maintainers@steering-bench.example",
     description="Names what a model of any machine gets wrong, from records of it.",
+    url="https://steering-bench.example",
     license="Apache-2.0",
 )

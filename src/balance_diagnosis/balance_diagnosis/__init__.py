@@ -1,5 +1,6 @@
 """Names what a model of any machine gets wrong: see docs/own_machine.md."""
 
+from balance_diagnosis.calibration import Rates, calibrate
 from balance_diagnosis.diagnosis import Diagnosis, diagnose
 from balance_diagnosis.errors import BalanceError
 from balance_diagnosis.extended import Extended
@@ -14,9 +15,11 @@ __all__ = [
     "Diagnosis",
     "Extended",
     "Model",
+    "Rates",
     "Record",
     "Values",
     "between",
+    "calibrate",
     "diagnose",
     "ode",
     "toleranced",

@@ -1,7 +1,7 @@
-"""All constants that decide something. docs/balance_diagnosis.md has what halving and doubling does.
+"""All constants that decide something, each with its unit and its reason.
 
-Each has its unit and its reason here. None was chosen for one machine: ``benchmarks/
-balance_diagnosis.py --sensitivity`` prints how many verdicts each of them moves.
+``examples/sensitivity.py`` prints what halving and doubling them does to the records of the
+examples; docs/diagnosis_library.md has its table.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
-from balance_diagnosis.errors import BenchError
+from balance_diagnosis.errors import BalanceError
 
 
 def _constant(value: float, unit: str, reason: str) -> Any:
@@ -42,7 +42,7 @@ class Constants:
     def scaled(self, name: str, factor: float) -> Constants:
         """Return a copy with one constant multiplied, kept below 1 where it is a share of one."""
         if name not in {f.name for f in fields(self)}:
-            raise BenchError(f"there is no constant '{name}'; see balance_diagnosis.constants")
+            raise BalanceError(f"there is no constant '{name}'; see balance_diagnosis.constants")
         value = getattr(self, name)
         if name in ("sure", "band"):
             return replace(self, **{name: 1.0 - (1.0 - value) / factor})

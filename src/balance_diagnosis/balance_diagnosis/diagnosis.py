@@ -103,7 +103,7 @@ def diagnose(
 ) -> Diagnosis:
     """Name what a model gets wrong about the records ``fit``.
 
-    holdout: records that only tell what the extended model gains; they select nothing. BenchError
+    holdout: records that only tell what the extended model gains; they select nothing. BalanceError
     where model or records are used wrongly.
     """
     check_model(model)
@@ -164,8 +164,8 @@ def nominal_fit(problem: Problem) -> np.ndarray:
     draw = np.random.default_rng(0)
     wide = np.isfinite(low) & (high - low < 4.0 + 1e-9)
     starts = [np.zeros(len(low))]
-    for _ in range(STARTS - 1 if wide.any() else 0):
-        starts.append(np.where(wide, draw.uniform(0.9 * low, 0.9 * high), 0.0))
+    more = STARTS - 1 if wide.any() else 0
+    starts += [np.where(wide, draw.uniform(0.9 * low, 0.9 * high), 0.0) for _ in range(more)]
     best = criterion.fit((), starts)
     assert best is not None
     return best.x

@@ -5,8 +5,3 @@ from __future__ import annotations
 
 class BalanceError(Exception):
     """What a user can put right, on one line."""
-
-
-BenchError = BalanceError
-
-__all__ = ["BalanceError", "BenchError"]

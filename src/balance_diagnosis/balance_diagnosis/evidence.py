@@ -6,9 +6,9 @@ unknown directions of one common variance, so that
     log p(r | theta) = - sum_j K_j / 2 log(1 + D_j / K_j),    D_j = max(0, |r_j / sd|^2 - n_j)
 
 that is -D/2 where D is far below K, and K/2 times the log of the energy where it is far above,
-however long the record. All coordinates are standard normal. All causes are there all the same,
-small and linear ("spikes"), those of the set as well: a formula is never quite right. The integral over the coordinates is Laplace's, one-sided
-where one of them stands at its bound.
+however long the record. All coordinates are standard normal. All causes are there all the
+same, small and linear ("spikes"), those of the set as well: a formula is never quite right. The
+integral over the coordinates is Laplace's, one-sided where one of them stands at its bound.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Fit:
 
 @dataclass(frozen=True, repr=False)
 class _Bounds:
-    """A set of causes with its coordinates' bounds, spikes last. count: coordinates without them."""
+    """A set of causes with its coordinates' bounds, spikes last. count: those without spikes."""
 
     names: tuple[str, ...]
     count: int

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from balance_diagnosis.errors import BenchError
+from balance_diagnosis.errors import BalanceError
 from balance_diagnosis.priors import Prior
 from balance_diagnosis.record import Record
 
@@ -23,11 +23,11 @@ class Values(dict[str, float]):
     def __getattr__(self, name: str) -> float:
         try:
             return self[name]
-        except BenchError as error:
+        except BalanceError as error:
             raise AttributeError(str(error)) from None
 
     def __missing__(self, name: str) -> float:
-        raise BenchError(
+        raise BalanceError(
             f"there is no '{name}' among the model's numbers; there are {_listed(self)}"
         )
 
@@ -99,11 +99,11 @@ class Model:
         """Return the model with some causes taken out of its catalogue."""
         for name in names:
             if name not in self.causes:
-                raise BenchError(f"there is no cause '{name}' to take out")
+                raise BalanceError(f"there is no cause '{name}' to take out")
         lean = copy(self)
         lean.causes = {key: cause for key, cause in self.causes.items() if key not in names}
         if not lean.causes:
-            raise BenchError("no cause would be left in the catalogue")
+            raise BalanceError("no cause would be left in the catalogue")
         return lean
 
     def off(self) -> dict[str, float]:
@@ -113,14 +113,14 @@ class Model:
     def predicted(self, values: Mapping[str, float], record: Record) -> Prediction:
         """Return the prediction for all numbers; causes that are not given are off.
 
-        BenchError where what ``predict`` returns has the wrong kind, name or shape.
+        BalanceError where what ``predict`` returns has the wrong kind, name or shape.
         """
         p = Values({**self._off, **values})
         with np.errstate(all="ignore"):
             made = self.predict(p, record)
         if not isinstance(made, Mapping):
             if len(self.outputs) != 1:
-                raise BenchError(
+                raise BalanceError(
                     "predict has to return its channels by name, as {'level': values}; "
                     f"it returned {type(made).__name__}"
                 )
@@ -129,7 +129,7 @@ class Model:
         wanted = self.outputs or tuple(key for key in arrays if key in record.channels)
         if not wanted or any(key not in arrays for key in wanted):
             missing = [key for key in wanted if key not in arrays] or list(record.channels)
-            raise BenchError(
+            raise BalanceError(
                 f"predict returned {_listed(arrays)}, but no prediction of {_listed(missing)} "
                 f"of record '{record.name}'"
             )
@@ -140,10 +140,10 @@ class Model:
 
     def _array(self, key: str, value: Any, record: Record) -> np.ndarray:
         if np.iscomplexobj(value):
-            raise BenchError(f"predict returned '{key}' with complex numbers: return real ones")
+            raise BalanceError(f"predict returned '{key}' with complex numbers: return real ones")
         array = np.asarray(value, float)
         if array.shape != (len(record),):
-            raise BenchError(
+            raise BalanceError(
                 f"predict returned '{key}' with shape {array.shape}; "
                 f"record '{record.name}' has {len(record)} samples"
             )
@@ -151,53 +151,55 @@ class Model:
 
     def _check(self) -> None:
         if not callable(self.predict):
-            raise BenchError("predict has to be a function of (p, record)")
+            raise BalanceError("predict has to be a function of (p, record)")
         if not self.causes:
-            raise BenchError("the model has no causes: there is nothing that could be named")
+            raise BalanceError("the model has no causes: there is nothing that could be named")
         owners: dict[str, str] = {}
         groups = {"the parameters": list(self.parameters), "the starts": list(self.starts)}
         groups |= {f"cause '{c.name}'": [n.name for n in c.numbers] for c in self.causes.values()}
         for owner, names in groups.items():
             for name in names:
                 if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
-                    raise BenchError(f"'{name}' of {owner} is no name that p.NAME could have")
+                    raise BalanceError(f"'{name}' of {owner} is no name that p.NAME could have")
                 if name in owners:
-                    raise BenchError(f"'{name}' is in {owners[name]} and in {owner}: rename one")
+                    raise BalanceError(f"'{name}' is in {owners[name]} and in {owner}: rename one")
                 owners[name] = owner
         for name in self.units:
             if name not in owners:
-                raise BenchError(f"a unit is given for '{name}', which is no number of the model")
+                raise BalanceError(f"a unit is given for '{name}', which is no number of the model")
         for name, prior in {**self.parameters, **self.starts}.items():
             if prior is not None and not isinstance(prior, Prior):
-                raise BenchError(
+                raise BalanceError(
                     f"parameter '{name}': give between(low, high) or toleranced(nominal, share), "
                     f"not {prior!r}"
                 )
 
 
 def _named(given: Any, what: str, entry: str) -> Mapping[str, Any]:
-    """Return what has names; BenchError for a list or the like."""
+    """Return what has names; BalanceError for a list or the like."""
     if not isinstance(given, Mapping):
         kind = type(given).__name__
-        raise BenchError(f"{what} is a {kind}; give names with what they hold: {{'name': {entry}}}")
+        raise BalanceError(
+            f"{what} is a {kind}; give names with what they hold: {{'name': {entry}}}"
+        )
     return given
 
 
 def _cause(name: str, numbers: Mapping[str, Sequence[float]]) -> Cause:
     if not isinstance(numbers, Mapping) or not numbers:
-        raise BenchError(f"cause '{name}' has no numbers; give {{'size': (off, low, high)}}")
+        raise BalanceError(f"cause '{name}' has no numbers; give {{'size': (off, low, high)}}")
     made = []
     for key, given in numbers.items():
         try:
             off, low, high = (float(v) for v in given)
         except (TypeError, ValueError):
-            raise BenchError(
+            raise BalanceError(
                 f"cause '{name}', '{key}': give (off, low, high), not {given!r}"
             ) from None
         if not all(np.isfinite((off, low, high))) or not low < high:
-            raise BenchError(f"cause '{name}', '{key}': no bounds: {low:g} to {high:g}")
+            raise BalanceError(f"cause '{name}', '{key}': no bounds: {low:g} to {high:g}")
         if not low <= off <= high:
-            raise BenchError(
+            raise BalanceError(
                 f"cause '{name}', '{key}': the bounds {low:g} to {high:g} exclude {off:g}, "
                 "where it is off"
             )

@@ -13,7 +13,7 @@ from numba import njit
 from numba.core.errors import NumbaError
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from balance_diagnosis.errors import BenchError
+from balance_diagnosis.errors import BalanceError
 from balance_diagnosis.model import Predict, Values
 from balance_diagnosis.record import Record
 
@@ -55,7 +55,7 @@ def ode(
         try:
             made = march(start, u, np.diff(record.times), numbers)
         except NumbaError as error:
-            raise BenchError(f"numba cannot compile '{rhs.__name__}': {_reason(error)}") from None
+            raise BalanceError(f"numba cannot compile '{rhs.__name__}': {_reason(error)}") from None
         x: Any = Values(zip(states, made.T, strict=True))
         found = dict(observe(x, record, p))
         return {**{f"state {name}": x[name] for name in states}, **found}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from balance_diagnosis.errors import BenchError
+from balance_diagnosis.errors import BalanceError
 
 WIDE = 10.0
 """Ratio of positive bounds from which the scale of a quantity is its logarithm."""
@@ -61,7 +61,7 @@ def between(low: float, high: float) -> Prior:
     """
     _finite(low, high)
     if not low < high:
-        raise BenchError(f"between({low:g}, {high:g}): the first bound has to be the lower one")
+        raise BalanceError(f"between({low:g}, {high:g}): the first bound has to be the lower one")
     log = low > 0.0 and high / low >= WIDE
     a, b = (math.log(low), math.log(high)) if log else (low, high)
     return Prior(0.5 * (a + b), 0.5 * (b - a), float(low), float(high), log)
@@ -81,20 +81,20 @@ def toleranced(
     value is zero. It is taken for two standard deviations. low, high: physical bounds.
     """
     if (share is None) == (plus_minus is None):
-        raise BenchError(f"toleranced({nominal:g}): give a share, or plus_minus, and not both")
+        raise BalanceError(f"toleranced({nominal:g}): give a share, or plus_minus, and not both")
     _finite(nominal, *(v for v in (share, plus_minus, low, high) if v is not None))
     tolerance = abs(nominal) * share if share is not None else float(plus_minus or 0.0)
     if not tolerance > 0.0:
-        raise BenchError(f"toleranced({nominal:g}): its tolerance has to be above zero")
+        raise BalanceError(f"toleranced({nominal:g}): its tolerance has to be above zero")
     least = LEAST_SHARE * nominal if nominal > 0.0 else -np.inf
     a = max(nominal - REACH * tolerance, least) if low is None else low
     b = nominal + REACH * tolerance if high is None else high
     if not a < nominal < b:
-        raise BenchError(f"toleranced({nominal:g}): the bounds {a:g} to {b:g} exclude it")
+        raise BalanceError(f"toleranced({nominal:g}): the bounds {a:g} to {b:g} exclude it")
     return Prior(float(nominal), 0.5 * tolerance, float(a), float(b))
 
 
 def _finite(*values: float) -> None:
     for value in values:
         if not isinstance(value, int | float) or not math.isfinite(value):
-            raise BenchError(f"a parameter's bound, value or tolerance is {value}, not a number")
+            raise BalanceError(f"a parameter's bound, value or tolerance is {value}, not a number")

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from balance_diagnosis.constants import Constants
-from balance_diagnosis.errors import BenchError
+from balance_diagnosis.errors import BalanceError
 from balance_diagnosis.model import Cause, Number
 from balance_diagnosis.priors import Prior, between
 
@@ -33,6 +33,10 @@ SHAPES = (-0.5, 0.0, 0.5)
 
 LINEAR = 0.999
 """Cosine of a small and of a large change of a cause that is linear in its size."""
+
+
+class NothingError(BalanceError):
+    """A cause changes nothing within its bounds."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +61,11 @@ class Probed:
 
 
 def probe(cause: Cause, change: Change, constants: Constants) -> Probed:
-    """Try a cause. BenchError where it changes nothing within its bounds."""
+    """Try a cause. NothingError where it changes nothing within its bounds."""
     off = {n.name: n.off for n in cause.numbers}
     still = change(off)
     if still is None or strength(still) > NOTHING:
-        raise BenchError(
+        raise BalanceError(
             f"cause '{cause.name}' is not off at its first values {off}: the prediction differs "
             "there from the one without it"
         )
@@ -69,7 +73,7 @@ def probe(cause: Cause, change: Change, constants: Constants) -> Probed:
     sizes = {name: levels for name, levels in found.items() if levels}
     if not sizes:
         bounds = ", ".join(f"{n.name} {n.low:g} to {n.high:g}" for n in cause.numbers)
-        raise BenchError(
+        raise NothingError(
             f"cause '{cause.name}' changes no output of any record within its bounds ({bounds}): "
             "take it out, or record a motion that shows it"
         )

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from balance_diagnosis.constants import LEAST_ROWS, ROWS, Constants
-from balance_diagnosis.errors import BenchError
+from balance_diagnosis.errors import BalanceError
 from balance_diagnosis.model import Model, Prediction
 from balance_diagnosis.priors import Prior, between
-from balance_diagnosis.probing import Probed, probe
+from balance_diagnosis.probing import Change, NothingError, Probed, probe
 from balance_diagnosis.record import Record
 from balance_diagnosis.rows import Series, series
-
 
 HUGE = 1e150
 """What squares of residuals may not overflow."""
@@ -77,7 +77,7 @@ class Problem:
         self._rows = rows
         sizes = [len(s) for s in rows]
         ends = np.cumsum([0, *sizes])
-        self.spans = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        self.spans = [slice(a, b) for a, b in pairwise(ends)]
         self.output_of = np.repeat([self.outputs.index(s.output) for s in rows], sizes)
         self.count = int(ends[-1])
 
@@ -92,28 +92,39 @@ class Problem:
         self.rows = made
 
     def learn(self, x: np.ndarray) -> None:
-        """Find out what every cause does, about the nominal model at x."""
+        """Find out what every cause does, about the nominal model at x.
+
+        What does nothing there, where the fit has led the states past it, is tried about the
+        priors' middle too.
+        """
+        about = [self._change(place) for place in (x, np.zeros(len(x)))]
+        for name, cause in self.model.causes.items():
+            try:
+                self.probed[name] = probe(cause, about[0], self.constants)
+            except NothingError:
+                self.probed[name] = probe(cause, about[1], self.constants)
+
+    def _change(self, x: np.ndarray) -> Change:
+        """Return the function that tells what a cause's numbers change about the model at x."""
         base = [self.values((), x, number) for number in range(len(self.records))]
-        off = [self.predicted(number, values) for number, values in enumerate(base)]
+        off = [self.attempt(number, values) for number, values in enumerate(base)]
 
         def change(numbers: Mapping[str, float]) -> np.ndarray | None:
             """Return what numbers change in all outputs, over the outputs' deviations."""
             parts = []
             for number, values in enumerate(base):
-                made = self.attempt(number, {**values, **numbers})
-                if made is None:
+                made, before = self.attempt(number, {**values, **numbers}), off[number]
+                if made is None or before is None:
                     return None
-                for key, before in off[number].outputs.items():
+                for key, plain in before.outputs.items():
                     valid = np.isfinite(self.records[number][key])
-                    moved = np.where(valid, made.outputs[key] - before, 0.0)
+                    moved = np.where(valid, made.outputs[key] - plain, 0.0)
                     parts.append(
                         moved / (self.scale[number, key] * np.sqrt(valid.sum() * len(base)))
                     )
             return np.concatenate(parts)
 
-        self.probed = {
-            name: probe(cause, change, self.constants) for name, cause in self.model.causes.items()
-        }
+        return change
 
     # --- coordinates
 
@@ -137,7 +148,7 @@ class Problem:
     # --- evaluation
 
     def predicted(self, number: int, values: Mapping[str, float]) -> Prediction:
-        """Return the prediction of a record; BenchError where the model is used wrongly."""
+        """Return the prediction of a record; BalanceError where the model is used wrongly."""
         self.calls += 1
         return self.model.predicted(values, self.records[number])
 
@@ -182,7 +193,7 @@ class Problem:
         return np.concatenate(found)
 
     def _first(self, record: Record) -> Prediction:
-        """Return the prediction at the nominal values; BenchError where there is none."""
+        """Return the prediction at the nominal values; BalanceError where there is none."""
         starts = {name: (prior or between(-1.0, 1.0)) for name, prior in self.model.starts.items()}
         centre = {name: prior.nominal for name, prior in self.model.parameters.items()}
         try:
@@ -195,11 +206,11 @@ class Problem:
                     starts[name] = prior or _start(name, record, first)
             values = {**centre, **{name: prior.nominal for name, prior in starts.items()}}
             made = self.model.predicted(values, record)
-        except BenchError:
+        except BalanceError:
             raise
         except Exception as error:
             text = " ".join(str(error).split())
-            raise BenchError(
+            raise BalanceError(
                 f"the model fails at its nominal values on record '{record.name}': "
                 f"{type(error).__name__}: {text}"
             ) from error
@@ -209,7 +220,7 @@ class Problem:
                 gaps = [c for c in record.channels if np.isnan(record[c][: at + 1]).any()]
                 gaps = [c for c in gaps if c not in made.outputs]
                 why = f": channel '{gaps[0]}', which it reads, has a gap there" if gaps else ""
-                raise BenchError(
+                raise BalanceError(
                     f"the model's '{key}' is {output[at]} at sample {at} of record '{record.name}',"
                     f" at its nominal values{why}"
                 )
@@ -221,7 +232,7 @@ def _deviation(records: Sequence[Record], channel: str) -> float:
     for record in records:
         judged = int(np.isfinite(record[channel]).sum())
         if judged < LEAST_JUDGED:
-            raise BenchError(
+            raise BalanceError(
                 f"record '{record.name}', channel '{channel}': {judged} samples are judged; "
                 f"{LEAST_JUDGED} are the least"
             )

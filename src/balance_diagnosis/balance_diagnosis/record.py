@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from balance_diagnosis.errors import BenchError
+from balance_diagnosis.errors import BalanceError
 
 LEAST_SAMPLES = 50
 
@@ -34,7 +34,7 @@ class Record:
     ) -> None:
         self.name = name
         if not isinstance(channels, Mapping):
-            raise BenchError(
+            raise BalanceError(
                 f"record '{name}': channels is a {type(channels).__name__}; give {{'name': values}}"
             )
         self.times = self._numbers("times", times)
@@ -45,7 +45,7 @@ class Record:
 
     def __getitem__(self, channel: str) -> np.ndarray:
         if channel not in self.channels:
-            raise BenchError(
+            raise BalanceError(
                 f"record '{self.name}' has no channel '{channel}'; it has {self._listed()}"
             )
         return self.channels[channel]
@@ -61,7 +61,9 @@ class Record:
     def part(self, start: float, stop: float, name: str | None = None) -> Record:
         """Return the samples from one share of the record to another (0 to 1), as a record."""
         if not 0.0 <= start < stop <= 1.0:
-            raise BenchError(f"part({start:g}, {stop:g}): shares between 0 and 1, the lower first")
+            raise BalanceError(
+                f"part({start:g}, {stop:g}): shares between 0 and 1, the lower first"
+            )
         cut = slice(round(start * len(self)), round(stop * len(self)))
         named = name or f"{self.name} {start:.0%} to {stop:.0%}"
         channels = {key: value[cut] for key, value in self.channels.items()}
@@ -100,7 +102,7 @@ class Record:
         """
         path = Path(path)
         if not isinstance(time, str) and not time > 0.0:
-            raise BenchError(
+            raise BalanceError(
                 f"'{path}': time is a column's name or a period above zero, not {time}"
             )
         table = _table(path)
@@ -117,70 +119,76 @@ class Record:
         try:
             return np.asarray(values, float)
         except (TypeError, ValueError) as error:
-            raise BenchError(f"record '{self.name}', '{what}': no numbers: {error}") from None
+            raise BalanceError(f"record '{self.name}', '{what}': no numbers: {error}") from None
 
     def _check(self) -> None:
         if self.times.ndim != 1:
-            raise BenchError(f"record '{self.name}': times have shape {self.times.shape}, not (n,)")
+            raise BalanceError(
+                f"record '{self.name}': times have shape {self.times.shape}, not (n,)"
+            )
         n = len(self.times)
         if n < LEAST_SAMPLES:
-            raise BenchError(f"record '{self.name}' has {n} samples; {LEAST_SAMPLES} are the least")
+            raise BalanceError(
+                f"record '{self.name}' has {n} samples; {LEAST_SAMPLES} are the least"
+            )
         if not np.all(np.isfinite(self.times)) or np.any(np.diff(self.times) <= 0.0):
             at = int(np.argmax(~(np.diff(self.times) > 0.0)))
-            raise BenchError(
+            raise BalanceError(
                 f"record '{self.name}': times have to increase; sample {at + 1} "
                 f"({self.times[at + 1]:g} s) does not come after {self.times[at]:g} s"
             )
         if not self.channels:
-            raise BenchError(f"record '{self.name}' has no channels")
+            raise BalanceError(f"record '{self.name}' has no channels")
         for key, value in self.channels.items():
             if value.shape != (n,):
-                raise BenchError(
+                raise BalanceError(
                     f"record '{self.name}', channel '{key}': shape {value.shape}, expected ({n},)"
                 )
             if np.any(np.isinf(value)):
                 at = int(np.argmax(np.isinf(value)))
-                raise BenchError(f"record '{self.name}', channel '{key}': infinite at sample {at}")
+                raise BalanceError(
+                    f"record '{self.name}', channel '{key}': infinite at sample {at}"
+                )
         for what, given in (("unit", self.units), ("noise", self.noise)):
             for key in given:
                 if key not in self.channels:
-                    raise BenchError(
+                    raise BalanceError(
                         f"record '{self.name}': a {what} is given for '{key}', which is no channel;"
                         f" there are {self._listed()}"
                     )
         for key, noise in self.noise.items():
             if not isinstance(noise, int | float) or not noise >= 0.0:
-                raise BenchError(f"record '{self.name}': the noise of '{key}' is {noise}")
+                raise BalanceError(f"record '{self.name}': the noise of '{key}' is {noise}")
 
     def _listed(self) -> str:
         return ", ".join(f"'{key}'" for key in sorted(self.channels))
 
 
 def _table(path: Path) -> dict[str, np.ndarray]:
-    """Return the columns of a file. BenchError names the line of what is no number."""
+    """Return the columns of a file. BalanceError names the line of what is no number."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as opened:
             lines = [(number, row) for number, row in enumerate(csv.reader(opened), 1) if row]
     except FileNotFoundError:
-        raise BenchError(f"there is no file '{path}'") from None
+        raise BalanceError(f"there is no file '{path}'") from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise BenchError(f"'{path}' cannot be read as comma separated text: {error}") from None
+        raise BalanceError(f"'{path}' cannot be read as comma separated text: {error}") from None
     if len(lines) < 2:
-        raise BenchError(f"'{path}' has no header line with names, or no lines below it")
+        raise BalanceError(f"'{path}' has no header line with names, or no lines below it")
     names = [cell.strip() for cell in lines[0][1]]
     other = next((sign for sign in (";", "\t", "|") if sign in lines[0][1][0]), None)
     if len(names) == 1 and other:
-        raise BenchError(
+        raise BalanceError(
             f"'{path}' is separated by {other!r}, not by commas: save it with commas and decimal "
             "points, or read it otherwise and give Record(times, channels)"
         )
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise BenchError(f"'{path}' has the column '{twice[0]}' twice: rename one")
+        raise BalanceError(f"'{path}' has the column '{twice[0]}' twice: rename one")
     values = np.full((len(lines) - 1, len(names)), np.nan)
     for at, (number, row) in enumerate(lines[1:]):
         if len(row) != len(names):
-            raise BenchError(
+            raise BalanceError(
                 f"'{path}', line {number}: {len(row)} cells, and the header has {len(names)} names"
             )
         for k, cell in enumerate(row):
@@ -194,12 +202,12 @@ def _number(cell: str, where: str) -> float:
     try:
         return float(cell)
     except ValueError:
-        raise BenchError(
+        raise BalanceError(
             f"{where}: '{cell.strip()}' is no number; leave the cell empty where there is none"
         ) from None
 
 
 def _column(table: Mapping[str, np.ndarray], column: str, path: Path) -> np.ndarray:
     if column not in table:
-        raise BenchError(f"'{path}' has no column '{column}'; it has {', '.join(table)}")
+        raise BalanceError(f"'{path}' has no column '{column}'; it has {', '.join(table)}")
     return table[column]

@@ -14,7 +14,7 @@ FARTHEST = 8.0
 """Multiples of a trial to which a linear cause is led at once."""
 
 NEAR = (0.3, 1.5)
-"""The same of one that is not linear: a stop or a gap is far from what it does at twice the size."""
+"""The same of one that is not linear: a stop or a gap is far from its change at twice the size."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,6 +100,6 @@ def start_without(problem: Problem, fit: Fit, cause: str) -> tuple[tuple[str, ..
 
 
 def inside(problem: Problem, names: Sequence[str], x: np.ndarray) -> np.ndarray:
-    """Return coordinates a little inside of their bounds: at one, a slope of zero could hold them."""
+    """Return coordinates a little inside of their bounds, where a slope of zero could hold them."""
     low, high = limits(problem, names)
     return np.clip(x, low + 1e-3, high - 1e-3)

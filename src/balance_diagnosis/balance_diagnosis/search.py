@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
 from balance_diagnosis.constants import MOST_CAUSES
 from balance_diagnosis.evidence import Criterion, Fit
-from balance_diagnosis.problem import Problem
 from balance_diagnosis.screen import (
     Score,
     inside,
@@ -63,13 +62,14 @@ class Search:
     def _steps(self, current: Fit) -> list[Fit]:
         """Return neighbours; further ones are met only where nearer ones gain nothing."""
         met: list[Fit] = []
-        for neighbours in (
-            lambda: iter(self._grown(current)),
+        neighbours: tuple[Callable[[], Iterable[Fit | None]], ...] = (
+            lambda: self._grown(current),
             lambda: (self._less(current, cause) for cause in current.names),
             lambda: (f for cause in current.names for f in self._swapped(current, cause)),
-            lambda: self._pairs(current, met),
-        ):
-            met += [fit for fit in neighbours() if fit is not None]
+            lambda: self._pairs(current, list(met)),
+        )
+        for nearer in neighbours:
+            met += [fit for fit in nearer() if fit is not None]
             if any(fit.evidence >= current.evidence + STEP for fit in met):
                 break
         return met
