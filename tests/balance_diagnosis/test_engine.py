@@ -91,7 +91,9 @@ def test_a_cause_that_the_model_cannot_follow_costs_itself_alone():
 def test_a_cause_that_the_nominal_fit_has_put_out_of_reach_is_tried_elsewhere():
     """The upper tank's level is not measured: the fit had put it below every brim."""
     tanks = MACHINES["two tanks"]
-    problem = Problem(tanks.model, [tanks.record(11, "overflowing", **tanks.hidden["overflow"])], DEFAULT)
+    problem = Problem(
+        tanks.model, [tanks.record(11, "overflowing", **tanks.hidden["overflow"])], DEFAULT
+    )
     problem.learn(nominal_fit(problem))
     assert "brim" in problem.probed["overflow"].sizes
 
