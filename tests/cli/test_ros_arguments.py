@@ -1,6 +1,7 @@
 """What a launch file's Node adds to steer, and what a program says where imports are missing."""
 
 import re
+
 import pytest
 
 from steering_bringup.cli import COMMANDS
