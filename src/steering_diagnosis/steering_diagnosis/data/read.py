@@ -75,6 +75,7 @@ def record_from_file(path: Path, mapping_path: Path) -> Record:
         path=path,
         sha256=sha256(path),
         units={n: spelled(mapping.channels[n].unit or raw[n].unit) for n in channels},
+        rates={n: 1.0 / c.period for n, c in channels.items() if c.slow},
     )
 
 

@@ -20,6 +20,7 @@ from steering_diagnosis.steering.load import COMMAND as LOAD_COMMAND
 from steering_diagnosis.steering.load import LoadCommand
 from steering_diagnosis.steering.smoothing import (
     Curve,
+    Spectrum,
     begins_moving,
     bridged,
     integrated,
@@ -135,7 +136,14 @@ class Drive:
         self._moving = moving = begins_moving(record["steering_wheel_angle"])
         self._cutoff_hz = cutoff_hz
         self.curves = {
-            name: Curve(record[name], negligible, RUN_UP, moving, self._low_pass_of(name))
+            name: Curve(
+                record[name],
+                negligible,
+                RUN_UP,
+                moving,
+                self._low_pass_of(name),
+                record.rate(name),
+            )
             for name, negligible in NEGLIGIBLE.items()
             if name in record
         }
@@ -225,10 +233,13 @@ class Drive:
         """Return whether the load's command is known beside what the load cell measures."""
         return {*LOAD_COMMAND, "rack_position"} <= set(self.record.channels)
 
+    def _spectrum(self, channel: str) -> Spectrum:
+        return spectrum(bridged(self.record[channel]), rate_hz=self.record.rate(channel))
+
     def _low_pass_of(self, channel: str) -> float | None:
         """Return the cut-off [Hz] of a channel's low-pass, None: where its signal ends."""
         if self._cutoff_hz is None and channel == "rack_force" and not self.knows_load:
-            noisy = spectrum(bridged(self.record[channel])).noise > NEGLIGIBLE[channel]
+            noisy = self._spectrum(channel).noise > NEGLIGIBLE[channel]
             return LONE_HZ if noisy else None
         return self._cutoff_hz
 
@@ -244,7 +255,7 @@ class Drive:
         if not own.smoothed:
             return
         rate = bridged(self.record[speed])
-        known = spectrum(rate)
+        known = self._spectrum(speed)
         crossover = max(known.noise / (2.0 * np.pi * own.spectrum.noise), SLOW_HZ)
         if crossover > 0.5 * own.cutoff_hz:
             return
@@ -263,7 +274,7 @@ class Drive:
         for speed in MOVING.values():
             if speed in self.record:
                 rate = bridged(self.record[speed])
-                where = restful(where, rate, spectrum(rate).noise)
+                where = restful(where, rate, self._spectrum(speed).noise)
         return where
 
     def _stand_still(self, *channels: str) -> None:
@@ -294,7 +305,7 @@ class Drive:
         down where it holds nothing but noise.
         """
         beyond = bridged(self.record["rack_force"]) - expected
-        known = spectrum(beyond, lowest_hz=BEYOND_HZ)
+        known = spectrum(beyond, BEYOND_HZ, self.record.rate("rack_force"))
         beyond, slow = low_pass(beyond, known.cutoff_hz), low_pass(beyond, BEYOND_HZ)
         if np.std(beyond - slow) < known.noise:
             beyond = slow
