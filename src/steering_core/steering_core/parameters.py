@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -79,8 +79,7 @@ class ParameterSet:
 
     def group(self, group: str) -> dict[str, float]:
         """Return the values of one group, such as ``driver``, under their short names."""
-        prefix = group + "."
-        found = {n.removeprefix(prefix): v for n, v in self.values.items() if n.startswith(prefix)}
+        found = {short: self.values[n] for n, short in _members(tuple(self.values), group)}
         if not found:
             groups = {name.split(".", 1)[0] for name in self.values}
             raise ParameterError(unknown("parameter group", group, groups))
@@ -113,6 +112,13 @@ class ParameterSet:
         if name not in self.sheet:
             raise ParameterError(unknown("parameter", name, self.sheet))
         return name
+
+
+@lru_cache(maxsize=256)
+def _members(names: tuple[str, ...], group: str) -> tuple[tuple[str, str], ...]:
+    """Return full and short names of a group's members; a study asks for the same ever again."""
+    prefix = group + "."
+    return tuple((name, name.removeprefix(prefix)) for name in names if name.startswith(prefix))
 
 
 def record(values: Mapping[str, float]) -> np.ndarray:

@@ -6,6 +6,7 @@ offset, delay and lag, must have felt.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -30,6 +31,9 @@ from steering_diagnosis.steering.smoothing import (
 )
 from steering_diagnosis.steering.standstill import calmed, restful, standstills
 from steering_plant.model import states
+
+KEPT = 4
+"""Inputs of the replay that are remembered, by the sensors that they were measured with."""
 
 RUN_UP = 200
 """Ticks before the record in which hidden states settle."""
@@ -102,20 +106,15 @@ def sensor(parameters: ParameterSet, channel: str) -> Sensor:
     )
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Driven:
-    """Arrays that the kernel takes: see ``kernels.simulate.simulate``."""
+    """Arrays that the kernel takes, see ``kernels.simulate.simulate``; equal to itself alone."""
 
     at: np.ndarray
     given: np.ndarray
     slopes: np.ndarray
     held: np.ndarray
     rise: np.ndarray
-
-    @property
-    def key(self) -> bytes:
-        """A digest of the content, for the cache."""
-        return b"".join(a.tobytes() for a in (self.at, self.given, self.held, self.rise))
 
 
 class Drive:
@@ -133,6 +132,7 @@ class Drive:
                 f"'{record.name}' has no steering_wheel_angle, which drives the replay: map it"
             )
         self.record = record
+        self._remembered: OrderedDict[object, Driven] = OrderedDict()
         self._moving = moving = begins_moving(record["steering_wheel_angle"])
         self._cutoff_hz = cutoff_hz
         self.curves = {
@@ -206,12 +206,25 @@ class Drive:
     def driven(self, parameters: ParameterSet, inputs: Mapping[str, int] | None = None) -> Driven:
         """Return the kernel's arrays for sensors as ``parameters`` have them.
 
-        inputs: channels with the states that they prescribe (of a position also its speed).
+        inputs: channels with the states that they prescribe (of a position also its speed). The
+        last ones are remembered: most parameters are none of a sensor's.
         """
+        inputs = self.inputs() if inputs is None else inputs
+        channels = [*inputs, *(["rack_force"] if self.load == "cell" else [])]
+        by = tuple(sensor(parameters, channel) for channel in channels)
+        key = (tuple(inputs.items()), by, parameters["oil.atmospheric_pressure"])
+        if key not in self._remembered:
+            self._remembered[key] = self._driven(parameters, inputs)
+        self._remembered.move_to_end(key)
+        while len(self._remembered) > KEPT:
+            self._remembered.popitem(last=False)
+        return self._remembered[key]
+
+    def _driven(self, parameters: ParameterSet, inputs: Mapping[str, int]) -> Driven:
         at: list[int] = []
         given: list[np.ndarray] = []
         slopes: list[np.ndarray] = []
-        for channel, state in (self.inputs() if inputs is None else inputs).items():
+        for channel, state in inputs.items():
             orders = (0, 1) if state in (states.ANGLE, states.POSITION) else (0,)
             curves = [self.felt(channel, parameters, order) for order in range(len(orders) + 1)]
             if state in (states.LEFT, states.RIGHT):

@@ -11,7 +11,7 @@ from scipy import signal
 from scipy.interpolate import CubicSpline
 
 from steering_diagnosis.data.record import PERIOD_S, RATE_HZ
-from steering_diagnosis.engine.sampling import low_pass_sections
+from steering_diagnosis.engine.sampling import low_passed
 
 SEGMENT = 2048
 NOISE_BAND = 0.7
@@ -101,10 +101,7 @@ def noise_like(
 
 def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:
     """Return ``values`` (n, ...) low-passed with zero phase."""
-    sections = low_pass_sections(ORDER, 2.0 * cutoff_hz * PERIOD_S)
-    return np.asarray(
-        signal.sosfiltfilt(sections, values, axis=0, padlen=min(EDGE, len(values) - 1))
-    )
+    return low_passed(values, ORDER, 2.0 * cutoff_hz * PERIOD_S, min(EDGE, len(values) - 1))
 
 
 def is_noise(error: np.ndarray, motion: np.ndarray, noise: float) -> bool:
