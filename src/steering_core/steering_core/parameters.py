@@ -19,6 +19,7 @@ import numpy as np
 import yaml
 
 from steering_core.naming import unknown
+from steering_core.plain_yaml import plain
 
 
 class ParameterError(ValueError):
@@ -141,7 +142,7 @@ def load_parameters(name: str | Path = "nominal") -> ParameterSet:
     elif path.suffix not in {".yaml", ".yml"}:
         raise ParameterError(unknown("parameter set", str(name), shipped_sets()))
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = plain(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"cannot read the parameter set {path}: {error}") from None
     try:
@@ -199,7 +200,7 @@ def _shipped() -> ParameterSet:
     text = (resources.files("steering_core") / "parameter_sets" / "nominal.yaml").read_text("utf-8")
     sheet = {
         f"{group}.{parameter}": Info(**line)
-        for group, lines in yaml.safe_load(text).items()
+        for group, lines in plain(text).items()
         for parameter, line in lines.items()
     }
     values = {name: info.checked(name, info.value) for name, info in sheet.items()}
