@@ -46,6 +46,8 @@ PATIENT = {
     "bad_frames": 900.0,
     "clock_offset_s": 1.0,
 }
+GENTLE_DEG = 5.0
+"""Amplitude of the weave, small: a pause of the machine drives a loop with large torques apart."""
 REST_FORCE_N, REST_PRESSURE_PA = 14.0, 6e5
 
 
@@ -94,6 +96,7 @@ def graph(path: Path, link: str, seconds: float, processes: str | None) -> dict[
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "run.json")
         words = ["run", "weave", "--node-set", "closed_centre", "--plant", "rig"]
+        words += ["--set", f"manoeuvre.amplitude_deg={GENTLE_DEG}"]
         words += ["--rig", str(path), "--rig-link", link, "--duration", f"{seconds:g}"]
         words += ["--out", str(Path(folder, "out")), "--json", str(file)]
         words += ["--processes", processes] if processes else []
@@ -121,7 +124,7 @@ def beside_a_sleeper(
             report = call()
         finally:
             sleeper.terminate()
-        out, _ = sleeper.communicate(timeout=30)
+            out, _ = sleeper.communicate(timeout=30)
     return report, share(json.loads(out))
 
 

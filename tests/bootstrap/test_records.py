@@ -63,6 +63,21 @@ def test_file_changed_on_purpose_passes_until_it_changes_again(environment):
     assert list(records.damaged(environment, VERSIONS, patched)) == ["some-thing"]
 
 
+def test_a_file_of_two_distributions_is_as_one_of_them_recorded_it(environment):
+    """Two wheels with a LICENSE beside lib: the check found one of them damaged for ever."""
+    shared = found(environment, "export.cmake")
+    info = found(environment, "some_thing-1.0.dist-info")
+    other = info.with_name("other-2.0.dist-info")
+    other.mkdir()
+    (other / "METADATA").write_text("Name: other\n")
+    shared.write_text("set(x 2)\n")
+    (other / "RECORD").write_text(row(shared, "../../../share/export.cmake") + "\n")
+    both = VERSIONS | {"other": "2.0"}
+    assert records.damaged(environment, both, {}) == {}
+    shared.write_text("set(x 3)\n")
+    assert set(records.damaged(environment, both, {})) == {"some-thing", "other"}
+
+
 @pytest.mark.parametrize("name", ["RECORD", "METADATA"])
 def test_half_installed_distribution_is_found(environment, name):
     found(environment, name).unlink()

@@ -16,11 +16,14 @@ from steering_core.parameters import load_parameters
 from steering_plant.boost_curve import FORMULA
 from steering_plant.effects import EFFECTS
 from steering_plant.effects.base import BALANCES, VALVE_SYSTEMS, Parameter, arguments
-from steering_plant.effects.models import all_effects, plant_model
+from steering_plant.effects.models import all_effects, plant_model, vehicle_model
 from steering_plant.effects.table import page
+from steering_plant.model import step
 from steering_plant.model.states import LEFT, VELOCITY
 from steering_plant.plant import Plant
 from steering_plant.rest import rest_servo_command, rest_solenoid_force
+from vehicle_model.model import slots
+from vehicle_model.model import step as vehicle_step
 
 IN_PLANT = [name for name, effect in EFFECTS.items() if effect.acts_in == "plant"]
 
@@ -116,6 +119,26 @@ def test_what_an_effect_changes_is_on_the_data_sheet_and_neutral_changes_nothing
         assert neutral == change.neutral
         for full in change.names:
             assert change.applied(sheet[full], neutral) == sheet[full]
+
+
+@pytest.mark.parametrize("valve_system", VALVE_SYSTEMS)
+def test_every_choice_of_effects_is_of_one_model_and_none_is_the_nominal_one(
+    valve_system: str,
+) -> None:
+    model = plant_model(all_effects(valve_system), valve_system)[0]
+    for name, effect in EFFECTS.items():
+        chosen = {name: effect.values({})}
+        wanted = model if effect.slots else step
+        assert plant_model(chosen, valve_system)[0] is wanted, name
+    assert plant_model({}, valve_system)[0] is step
+
+
+def test_the_vehicle_takes_all_its_effects_beside_one_of_the_plant() -> None:
+    both = {name: EFFECTS[name].values({}) for name in ("rack_backlash", "tyre_relaxation")}
+    beside = [vehicle_model({name: both[name]}, slots, vehicle_step) for name in both]
+    assert beside[0][0] is beside[1][0]
+    assert beside[0][1].tolist() == [0.0]  # neutral where only the plant's is on
+    assert vehicle_model({}, slots, vehicle_step)[0] is vehicle_step
 
 
 def test_the_model_of_all_effects_says_where_each_parameter_and_state_is() -> None:

@@ -13,6 +13,7 @@ CORE = "steering_core"
 BELOW_STUDIES = set(PACKAGES) - {"steering_bringup", "steering_studies", "steering_diagnosis"}
 
 ALLOWED: dict[str, set[str]] = {
+    "balance_diagnosis": set(),
     "steering_core": set(),
     "steering_lockstep": {CORE},
     "steering_plant": {CORE},

@@ -93,7 +93,7 @@ message = st.tuples(
 @given(sent=st.lists(message, max_size=60))
 @settings(max_examples=40, deadline=None)
 def test_whatever_guests_send_the_limits_hold_and_all_ends_after_the_longest_wait(sent):
-    messages = {}
+    messages: dict[int, list[tuple[object, ...]]] = {}
     for tick, *what in sent:
         messages.setdefault(tick, []).append(tuple(what))
     end = max(messages, default=0) + 3 * LONGEST + 2

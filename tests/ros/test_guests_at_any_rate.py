@@ -125,6 +125,7 @@ def test_a_stopped_reliable_listener_does_not_keep_the_middleware_busy():
                 (worker,) = children(zygote._process.pid)
                 seen.append((progress.tick, wake_ups(worker)))
 
+        assert listener.stdout is not None
         try:
             assert listener.stdout.readline() == b"ready\n"
             result = run_graph(

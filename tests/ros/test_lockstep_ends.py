@@ -173,3 +173,17 @@ def test_two_runs_at_once_do_not_meet():
     assert [r.ok for r in results] == [True, True]
     assert results[0].domain != results[1].domain
     assert results[0].node_results["plant"]["digest"] == results[1].node_results["plant"]["digest"]
+
+
+def test_a_process_that_does_not_leave_costs_the_run_nothing_and_is_ended():
+    began = time.monotonic()
+    result = run_graph(
+        dummies.graph(driver="troubled"),
+        200,
+        layout="each",
+        parameters={"driver": {"trouble": "stay"}},
+        grace=1.0,
+    )
+    assert result.ok, result.error
+    assert result.ticks == 200
+    assert time.monotonic() - began < 30.0

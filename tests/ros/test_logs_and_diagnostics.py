@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import lockstep_dummies as dummies
 import pytest
@@ -28,10 +29,12 @@ HEARD = "/steering/torque"
 @contextlib.contextmanager
 def ear(folder, *topics):
     """Give a domain, and a list that holds what was heard there once the context is left."""
-    claim, lines = claim_domain(), []
+    claim = claim_domain()
+    lines: list[dict[str, Any]] = []
     environment = {**os.environ, **ros_environment(os.environ), "ROS_DOMAIN_ID": str(claim.number)}
     program = [sys.executable, str(EAR), str(folder / "heard"), *topics]
     process = subprocess.Popen(program, env=environment, stdout=subprocess.PIPE)
+    assert process.stdout is not None
     try:
         assert process.stdout.readline() == b"ready\n"
         yield claim, lines

@@ -25,7 +25,7 @@ def test_a_run_is_repeated_after_its_curves_file_is_gone(tmp_path):
     """The bag once held the file's name only, and so did the nodes' parameters."""
     file = tmp_path / "curve.csv"
     file.write_text("\n".join([",".join(COLUMNS), *ROWS]) + "\n")
-    words = ("run", "step", "--duration", "1")
+    words = ("run", "step", "--node-set", "closed_centre", "--duration", "1")
     steer(tmp_path, *words, "--processes", "each", "--set", "boost_curve=curve.csv", "--out", "a")
     steer(tmp_path, *words, "--direct", "--out", "formula")
     file.unlink()

@@ -8,6 +8,7 @@ import pytest
 from dask_here import dask_executor
 from scipy.io import savemat
 
+from steering_bringup.cli import main
 from steering_core.errors import BenchError
 from steering_diagnosis.emps.data import PULSES, Axis, read_axis
 from steering_diagnosis.emps.diagnose_axis import PUBLISHED, SETTINGS, diagnose_axis
@@ -111,3 +112,14 @@ def test_the_answer_is_the_same_here_and_on_a_distributed_engine():
     assert here.nuisances == there.nuisances
     assert here.effects == there.effects
     assert here.verdict == there.verdict
+
+
+def test_the_command_writes_the_page_of_the_library(tmp_path, capsys):
+    if not FOLDER:
+        pytest.skip("STEER_EMPS_DATA does not say where the EMPS benchmark's records are")
+    assert main(["diagnose-emps", FOLDER, "--out", str(tmp_path / "page")]) == 0
+    said = capsys.readouterr().out
+    assert "by the library alone: named. Named: viscous friction by direction" in said
+    page = (tmp_path / "page" / "page.html").read_text("utf-8")
+    assert "held-out &#x27;DATA_EMPS_PULSES&#x27;" in page
+    assert "./steer diagnose-emps" in page

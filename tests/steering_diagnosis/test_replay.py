@@ -11,6 +11,7 @@ from steering_core.errors import BenchError
 from steering_core.parameters import ParameterError
 from steering_diagnosis.steering.drive import LONE_HZ
 from steering_diagnosis.steering.replay import UNSETTLED, SteeringReplay
+from steering_diagnosis.steering.simulation import Simulation
 from steering_diagnosis.steering.smoothing import HIGHEST_HZ, low_pass
 
 SYSTEMS = ("open_centre", "closed_centre")
@@ -220,3 +221,22 @@ def test_without_the_wheel_angle_it_says_what_is_missing():
     channels = {n: v for n, v in record.channels.items() if n != "steering_wheel_angle"}
     with pytest.raises(BenchError, match="steering_wheel_angle"):
         SteeringReplay(replace(record, channels=channels))
+
+
+def test_under_given_pressures_the_mechanics_needs_no_hydraulics():
+    record = bench_record("closed_centre", noise=NOISE)
+    commands = ("left_solenoid_force", "right_solenoid_force")
+    without = {n: values for n, values in record.channels.items() if n not in commands}
+    replay = SteeringReplay(replace(record, channels=without))
+    trace = replay.run({}, {}).trace
+    driven = replay.drive.driven(record.nominal)
+    assert not trace.flows.any()
+    replay.drive.valves = True  # the kernel then goes through the hydraulics as well
+    with_hydraulics = Simulation(replay.drive).driven_by(driven, record.nominal, {})
+    assert with_hydraulics.flows.any()
+    # other inner steps: the two are apart by the errors of both
+    for name in ("rack_position", "rack_speed", "left_pressure"):
+        apart = (trace[name] - with_hydraulics[name])[replay.judged]
+        assert np.std(apart) < INTEGRATION_ERROR[name], name
+    apart = (trace.torque - with_hydraulics.torque)[replay.judged]
+    assert np.std(apart) < INTEGRATION_ERROR["torsion_bar_torque"]

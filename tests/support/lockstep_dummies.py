@@ -155,7 +155,12 @@ class Listener(Node):
 
 
 class Troubled(Node):
-    """Does something wrong at tick 50: what its parameter ``trouble`` says."""
+    """Does something wrong at tick 50, or as it leaves: what its parameter ``trouble`` says."""
+
+    def destroy_node(self) -> None:
+        if self.values()["trouble"] == "stay":
+            time.sleep(1000.0)
+        super().destroy_node()
 
     def publish(self, tick: int, out: Any) -> None:
         trouble = self.values()["trouble"] if tick == 50 else None

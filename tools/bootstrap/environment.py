@@ -2,15 +2,20 @@
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from bootstrap import cmake_paths, fingerprint, lockfile, records, stamp
+from bootstrap.errors import SetupError
+from bootstrap.installers import Installer, pip_install, uv_install
 from bootstrap.layout import Layout, python_of, site_packages
 from bootstrap.logged import LoggedRunner
 from bootstrap.progress import Step, say, step
 from bootstrap.removal import remove
 from bootstrap.variables import for_build
+
+FIRST = ("setuptools", "uv")
+"""Installed by pip before the others: what builds and installs those."""
 
 
 def build(layout: Layout, top: Path, runner: LoggedRunner) -> None:
@@ -25,44 +30,56 @@ def build(layout: Layout, top: Path, runner: LoggedRunner) -> None:
         runner.run(command, for_build(layout, top, os.environ), shown, layout.root)
     pinned = lockfile.blocks(layout.locks())
     with step(f"installing {len(pinned)} locked packages") as shown:
-        install(layout, top, pinned, runner, shown)
+        install(layout, top, pinned, runner, shown, (uv_install, pip_install))
     finish(layout, top)
 
 
 def install(
-    layout: Layout, top: Path, names: Iterable[str], runner: LoggedRunner, shown: Step
+    layout: Layout,
+    top: Path,
+    names: Iterable[str],
+    runner: LoggedRunner,
+    shown: Step,
+    installers: Sequence[Installer] = (pip_install,),
 ) -> None:
-    """Install the named distributions of the locks, whatever is there of them."""
+    """Install the named distributions of the locks, by the first of ``installers`` that can.
+
+    pip replaces whatever is there of them; uv only adds to a new environment.
+    """
     pinned = lockfile.blocks(layout.locks())
+    environ = for_build(layout, top, os.environ)
     # The few packages without a wheel are built with the locked setuptools, not with another one.
-    first = [name for name in ("setuptools",) if name in pinned]
-    for part in (first, [name for name in names if name not in first]):
+    first = [name for name in FIRST if name in pinned]
+    later = [name for name in names if name not in first]
+    for part, able in ((first, (pip_install,)), (later, installers)):
         wanted = layout.state / "tmp" / "wanted.txt"
         wanted.write_text("".join(pinned[name] for name in part))
-        command: list[str | Path] = [
-            python_of(top),
-            "-m",
-            "pip",
-            "install",
-            "--require-hashes",
-            "--no-deps",
-        ]
-        command += ["--no-build-isolation", "--no-compile", "--force-reinstall"]
-        command += ["--progress-bar", "off", "--requirement", wanted]
         if part:
-            runner.run(command, for_build(layout, top, os.environ), shown, layout.root)
-    compile_all: list[str | Path] = [
-        python_of(top),
-        "-m",
-        "compileall",
-        "-q",
-        "-j",
-        "0",
-        site_packages(top),
-    ]
+            _by_one_of(able, layout, top, wanted, environ, runner, shown)
+    compiled: list[str | Path] = [python_of(top), "-m", "compileall", "-q", "-j", "0"]
     # Some packages carry templates or tests that are no valid Python: no reason to stop.
-    tolerant = ["sh", "-c", '"$@" || true', "sh", *compile_all, str(site_packages(top))]
-    runner.run(tolerant, for_build(layout, top, os.environ), shown, layout.root)
+    tolerant: list[str | Path] = ["sh", "-c", '"$@" || true', "sh", *compiled, site_packages(top)]
+    runner.run(tolerant, environ, shown, layout.root)
+
+
+def _by_one_of(
+    installers: Sequence[Installer],
+    layout: Layout,
+    top: Path,
+    wanted: Path,
+    environ: Mapping[str, str],
+    runner: LoggedRunner,
+    shown: Step,
+) -> None:
+    """Install by the first installer that can; the error of the last one is everybody's."""
+    for installer in installers:
+        try:
+            command, variables = installer(top, wanted, environ)
+            runner.run(command, variables, shown, layout.root)
+            break
+        except (SetupError, OSError):
+            if installer is installers[-1]:
+                raise
 
 
 def finish(layout: Layout, top: Path) -> None:

@@ -3,6 +3,7 @@
 import base64
 import csv
 import hashlib
+from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -23,10 +24,19 @@ def damaged(
     """
     found = {}
     result: dict[str, list[str]] = {}
-    for folder in site_packages(environment).glob("*.dist-info"):
+    folders = sorted(site_packages(environment).glob("*.dist-info"))
+    recorded = {folder: _recorded(folder) for folder in folders}
+    # A file of two distributions is as the one of them recorded it that was installed last.
+    digests: dict[Path, set[str]] = defaultdict(set)
+    for entries in recorded.values():
+        for file, digest in (entries or {}).items():
+            digests[file].add(digest)
+    for folder in folders:
         name, _, version = folder.name.removesuffix(".dist-info").partition("-")
         found[canonical(name)] = version
-        problems = _problems(folder, patched)
+        entries = recorded[folder]
+        own = {file: digests[file] for file in entries or ()}
+        problems = [f"{folder.name} is incomplete"] if entries is None else _problems(own, patched)
         if problems and canonical(name) in versions:
             result[canonical(name)] = problems
     for name, version in versions.items():
@@ -35,31 +45,39 @@ def damaged(
     return result
 
 
-def _problems(folder: Path, patched: Mapping[str, str]) -> list[str]:
-    """Files of one distribution that are gone or changed."""
+def _recorded(folder: Path) -> dict[Path, str] | None:
+    """Return the files of one distribution and their digests, None where it is incomplete."""
     record = folder / "RECORD"
     if not record.is_file() or not (folder / "METADATA").is_file():
-        return [f"{folder.name} is incomplete"]
-    problems = []
+        return None
     with record.open(newline="", encoding="utf-8") as lines:
-        for path, digest, *_ in csv.reader(lines):
-            if not digest or path.endswith(".pyc") or Path(path).name in _UNCHECKED:
-                continue
-            problem = _compare((folder.parent / path).resolve(), digest, patched)
-            problems += [problem] if problem else []
-    return problems
+        return {
+            (folder.parent / path).resolve(): digest
+            for path, digest, *_ in csv.reader(lines)
+            if digest and not path.endswith(".pyc") and Path(path).name not in _UNCHECKED
+        }
 
 
-def _compare(file: Path, digest: str, patched: Mapping[str, str]) -> str | None:
+def _problems(recorded: Mapping[Path, set[str]], patched: Mapping[str, str]) -> list[str]:
+    """Files that are gone or changed."""
+    compared = (_compare(file, digests, patched) for file, digests in recorded.items())
+    return [problem for problem in compared if problem]
+
+
+def _compare(file: Path, digests: set[str], patched: Mapping[str, str]) -> str | None:
     """What is wrong with one file; None where it is as recorded."""
     try:
         content = file.read_bytes()
     except OSError:
         return f"{file} is gone"
-    algorithm, _, expected = digest.partition("=")
     if str(file) in patched:
         same = hashlib.sha256(content).hexdigest() == patched[str(file)]
     else:
-        value = base64.urlsafe_b64encode(hashlib.new(algorithm, content).digest())
-        same = value.rstrip(b"=").decode() == expected
+        same = any(digest == _digest(content, digest.partition("=")[0]) for digest in digests)
     return None if same else f"{file} differs"
+
+
+def _digest(content: bytes, algorithm: str) -> str:
+    """Return a file's digest as a RECORD has it."""
+    value = base64.urlsafe_b64encode(hashlib.new(algorithm, content).digest())
+    return f"{algorithm}={value.rstrip(b'=').decode()}"

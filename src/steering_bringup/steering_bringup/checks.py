@@ -48,10 +48,15 @@ def check_physics(physics: Physics) -> None:
     from steering_bringup.cores import boost_curve, build_cores, step_once
     from steering_bringup.valve_controllers import check_delayed_stability
     from steering_core.compiled import cache_folder
+    from steering_plant.effects.models import need_slots
 
-    if not any(cache_folder().rglob("*.nbi")):
-        print("compiling the kernels (once after each change of the code) ...", file=sys.stderr)
     scenario, node_set = physics.models()
+    kernels = "with effects " if need_slots(scenario.effects) else ""
+    if not any(cache_folder().rglob("steering_plant_model_*/*.nbi" if kernels else "*.nbi")):
+        print(
+            f"compiling the kernels {kernels}(once after each change of the code) ...",
+            file=sys.stderr,
+        )
     cores = build_cores(scenario, node_set)
     parameters = scenario.parameter_values()
     if not physics.direct:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
-import yaml
+from steering_core.plain_yaml import plain
 
 FOLDERS = {"scenario": "scenarios", "node set": "nodesets"}
 
@@ -19,6 +19,6 @@ def shipped(what: str) -> dict[str, Path]:
 def descriptions(what: str) -> dict[str, str]:
     """Return name to description, read without the schema: a list must be quick."""
     return {
-        name: str(yaml.safe_load(path.read_text(encoding="utf-8")).get("description", ""))
+        name: str(plain(path.read_text(encoding="utf-8")).get("description", ""))
         for name, path in shipped(what).items()
     }

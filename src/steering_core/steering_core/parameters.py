@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ import numpy as np
 import yaml
 
 from steering_core.naming import unknown
+from steering_core.plain_yaml import plain
 
 
 class ParameterError(ValueError):
@@ -79,8 +80,7 @@ class ParameterSet:
 
     def group(self, group: str) -> dict[str, float]:
         """Return the values of one group, such as ``driver``, under their short names."""
-        prefix = group + "."
-        found = {n.removeprefix(prefix): v for n, v in self.values.items() if n.startswith(prefix)}
+        found = {short: self.values[n] for n, short in _members(tuple(self.values), group)}
         if not found:
             groups = {name.split(".", 1)[0] for name in self.values}
             raise ParameterError(unknown("parameter group", group, groups))
@@ -115,6 +115,13 @@ class ParameterSet:
         return name
 
 
+@lru_cache(maxsize=256)
+def _members(names: tuple[str, ...], group: str) -> tuple[tuple[str, str], ...]:
+    """Return full and short names of a group's members; a study asks for the same ever again."""
+    prefix = group + "."
+    return tuple((name, name.removeprefix(prefix)) for name in names if name.startswith(prefix))
+
+
 def record(values: Mapping[str, float]) -> np.ndarray:
     """Return ``values`` as a structured float64 array of shape (1,), fields in the same order."""
     return np.array([tuple(values.values())], dtype=[(name, np.float64) for name in values])
@@ -135,7 +142,7 @@ def load_parameters(name: str | Path = "nominal") -> ParameterSet:
     elif path.suffix not in {".yaml", ".yml"}:
         raise ParameterError(unknown("parameter set", str(name), shipped_sets()))
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = plain(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"cannot read the parameter set {path}: {error}") from None
     try:
@@ -193,7 +200,7 @@ def _shipped() -> ParameterSet:
     text = (resources.files("steering_core") / "parameter_sets" / "nominal.yaml").read_text("utf-8")
     sheet = {
         f"{group}.{parameter}": Info(**line)
-        for group, lines in yaml.safe_load(text).items()
+        for group, lines in plain(text).items()
         for parameter, line in lines.items()
     }
     values = {name: info.checked(name, info.value) for name, info in sheet.items()}

@@ -29,6 +29,7 @@ MODULES = {
     "matio": "mat-io",
     "chardet": "chardet",
     "zstandard": "zstandard",
+    "fmpy": "fmpy",
 }
 """Module to its name in a package index; the versions are those of requirements/runtime-*.txt."""
 

@@ -16,7 +16,6 @@ from steering_lockstep.settings import CREDIT_TICKS
 from steering_lockstep.topics import CREDIT, wire
 from steering_lockstep.wire import NANOSECONDS_PER_TICK
 
-
 TASK = "lock step"
 """What the clock's status on /diagnostics is called."""
 BEHIND = "behind the wall clock"

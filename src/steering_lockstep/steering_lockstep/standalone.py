@@ -37,8 +37,8 @@ from steering_lockstep.kinds import factory
 from steering_lockstep.middleware import ros_environment
 from steering_lockstep.names import relative
 from steering_lockstep.node import LockstepNode
-from steering_lockstep.settings import RunSettings
 from steering_lockstep.rosout import Rosout
+from steering_lockstep.settings import RunSettings
 from steering_lockstep.spinner import Spinner
 from steering_lockstep.urgency import hurry
 

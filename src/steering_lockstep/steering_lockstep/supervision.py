@@ -67,6 +67,7 @@ class Supervision:
         self.phase: Phase = "starting"
         self.began = monotonic()
         self.moved = monotonic()
+        self.heard = monotonic()
         self.started_at = 0
         self.reports: dict[str, tuple[float, Report]] = {}
 
@@ -127,9 +128,13 @@ class Supervision:
     def _close(self) -> None:
         self._enter("closing")
         self._tell("stop" if self._over() else "close")
-        deadline = monotonic() + (self.grace if self._over() else self.start_timeout)
-        while monotonic() < deadline and not self.hurry and not all(c.gone for c in self.children):
+        self.heard = monotonic()
+        while not self.hurry and not all(c.gone for c in self.children):
             self._serve()
+            # Who has given its result has nothing to lose; the middleware may hang as it leaves.
+            done = self._over() or all(c.results is not None for c in self.children)
+            if monotonic() - self.heard > (self.grace if done else self.start_timeout):
+                break
 
     def _end(self, zygote: Zygote) -> None:
         for child in self.children:
@@ -175,6 +180,7 @@ class Supervision:
             self.error = self.error or value
         elif word == "result":
             child.results = value
+            self.heard = monotonic()
 
     def _moved_to(self, tick: int) -> None:
         if tick > self.tick:

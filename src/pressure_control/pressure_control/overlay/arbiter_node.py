@@ -86,7 +86,7 @@ class ArbiterNode(LockstepNode):
         return [*(str(overlay_source(name)) for name in self.members), *self.core.guests]
 
     def _sources(self, tick: int) -> dict[str, str]:
-        """Return what is known of each source: who it is, how old its word is, how old it may get."""
+        """Return of each source who it is, how old its word is, and how old it may get."""
         core, found = self.core, {}
         for name, kept, longest in zip(self.source_names(), core.kept, core.longest, strict=True):
             who = "guest" if name in core.guests else "member"

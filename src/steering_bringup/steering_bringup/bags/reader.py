@@ -22,6 +22,7 @@ from steering_bringup.bags.scan import Scan, scan
 from steering_bringup.bags.sources.files import bag_files, kind_of
 from steering_bringup.bags.trace import Trace
 from steering_bringup.bags.writer import BROKEN_OFF, BROKEN_OFF_KEY, OUTCOME_KEY, RUN_KEY
+from steering_core.plain_yaml import plain
 
 
 def read_bag(
@@ -177,9 +178,6 @@ def _custom_data(file: Path) -> dict[str, str]:
 
 def _yaml(file: Path) -> Any:
     try:
-        return yaml.load(file.read_text(encoding="utf-8"), Loader=_LOADER)
+        return plain(file.read_text(encoding="utf-8"))
     except (OSError, ValueError, yaml.YAMLError):
         return None
-
-
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

@@ -17,6 +17,7 @@ from steering_bringup.bags.mcap_bytes import PAYLOAD, gather, map_file
 from steering_bringup.bags.places import METADATA_FILE, RUN_FILE
 from steering_bringup.bags.scan import Block, Scan, scan
 from steering_bringup.bags.writer import BagWriter
+from steering_core.plain_yaml import plain
 
 DAMAGED_SUFFIX = ".damaged"
 
@@ -150,6 +151,6 @@ def _in_file_order(block: Block, found: Scan) -> Iterator[tuple[str, int, memory
 
 def _run_of(folder: Path) -> dict[str, object]:
     try:
-        return dict(yaml.safe_load((folder / RUN_FILE).read_text(encoding="utf-8")) or {})
+        return dict(plain((folder / RUN_FILE).read_text(encoding="utf-8")) or {})
     except (OSError, yaml.YAMLError):
         return {}

@@ -16,7 +16,6 @@ from steering_bringup.cli import streams
 from steering_bringup.cli.ros_arguments import settled
 from steering_bringup.errors import BenchError
 from steering_bringup.interrupts import nothing_to_lose
-from steering_core.requirements import missing_text
 
 COMMANDS = {
     "run": "run a scenario through the ROS graph (or --direct), record and compare",
@@ -108,7 +107,7 @@ def console() -> int:
     try:
         return main()
     except ImportError as error:
-        print(f"steer: {missing_text(error)}", file=sys.stderr)
+        print(f"steer: {_missing(error)}", file=sys.stderr)
         return FAILED
 
 
@@ -184,10 +183,17 @@ def _hint(word: str, known: Iterable[str]) -> str:
     return f"; did you mean '{near[0]}'?" if near else ""
 
 
+def _missing(error: ImportError) -> str:
+    """Return what to install. Asked for only here: the question itself takes time at each start."""
+    from steering_core.requirements import missing_text
+
+    return missing_text(error)
+
+
 def _one_line(error: Exception) -> str:
     """Return an error's text on one line; an unforeseen one tells how to see more."""
     if isinstance(error, ModuleNotFoundError):
-        return missing_text(error)
+        return _missing(error)
     text = " ".join(str(error).split()) or type(error).__name__
     if type(error).__module__.partition(".")[0] in OWN_PACKAGES:
         return text
@@ -199,6 +205,7 @@ def _one_line(error: Exception) -> str:
 
 
 OWN_PACKAGES = (
+    "balance_diagnosis",
     "steering_bringup",
     "steering_core",
     "steering_lockstep",

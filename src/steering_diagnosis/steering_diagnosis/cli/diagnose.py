@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 from pathlib import Path
 
 from steering_bringup.outputs import write_text
@@ -12,9 +13,13 @@ EXAMPLES = """examples:
   steer diagnose results/on_centre-1/open_centre
   steer diagnose rig/monday --holdout rig/tuesday --out results/monday
   steer diagnose drive.mf4 --mapping drive.yaml --from 12 --to 52
+  steer diagnose monday.csv --model oven.fmu --mapping oven.yaml --holdout tuesday.csv
 
 The data are a bag of the bench or of the rig bridge, or a CSV, MATLAB or MDF4 file with a mapping
-file. Written are report.html, report.json, and extension.yaml for 'steer run --set-file'."""
+file. Written are report.html, report.json, and extension.yaml for 'steer run --set-file'.
+
+With --model an FMU of any machine is diagnosed: docs/own_machine.md. Written are page.html,
+report.json and extended_model.yaml."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("data", metavar="DATA", type=Path, help="bag, or file with --mapping")
     add("--holdout", metavar="DATA", type=Path, help="a manoeuvre that takes no part in the fit")
     add("--mapping", metavar="FILE", type=Path, help="what the channels of a foreign file are")
+    add("--model", metavar="FMU", type=Path, help="a model of another tool, in place of the gear")
     add("--from", metavar="S", type=float, dest="start", help="s from the record's beginning")
     add("--to", metavar="S", type=float, dest="stop", help="s from the record's beginning")
     add("--out", metavar="DIR", type=Path, help="folder (default: results/diagnosis-1, -2, ...)")
@@ -48,6 +54,8 @@ def execute(options: argparse.Namespace) -> int:
 
     folder = options.out or free_folder(Path("results"), "diagnosis")
     check_folder(folder)
+    if options.model is not None:
+        return _foreign(options, folder)
     record = cut(read_record(options.data, options.mapping), options.start, options.stop)
     holdout = None
     if options.holdout is not None:
@@ -59,3 +67,32 @@ def execute(options: argparse.Namespace) -> int:
         write_text(options.json, (folder / "report.json").read_text("utf-8"))
     print("\n".join(tell(diagnosis, files)))
     return 0
+
+
+def _foreign(options: argparse.Namespace, folder: Path) -> int:
+    """Diagnose a model of another tool."""
+    from steering_bringup.session import make_folder
+    from steering_diagnosis.foreign_model import diagnose_fmu, tell
+
+    part = (options.start, options.stop)
+    found, notes = diagnose_fmu(options.model, options.mapping, options.data, options.holdout, part)
+    make_folder(folder)
+    page = found.write(folder, call=_called(options))
+    if options.json:
+        write_text(options.json, (folder / "report.json").read_text("utf-8"))
+    print("\n".join(tell(found, page, notes)))
+    return 0
+
+
+def _called(options: argparse.Namespace) -> str:
+    """Return the command, as it is written."""
+    words = ["./steer", "diagnose", str(options.data)]
+    for name, value in (
+        ("model", options.model),
+        ("mapping", options.mapping),
+        ("holdout", options.holdout),
+        ("from", options.start),
+        ("to", options.stop),
+    ):
+        words += [] if value is None else [f"--{name}", str(value)]
+    return shlex.join(words)

@@ -75,6 +75,7 @@ def record_from_file(path: Path, mapping_path: Path) -> Record:
         path=path,
         sha256=sha256(path),
         units={n: spelled(mapping.channels[n].unit or raw[n].unit) for n in channels},
+        rates={n: 1.0 / c.period for n, c in channels.items() if c.slow},
     )
 
 
@@ -143,14 +144,14 @@ def _channel_in_si(
     given = without(raw.values, mapping.missing)
     with np.errstate(over="ignore"):  # What is beyond all numbers is beyond the limits, too.
         values = channel.sign * to_si * (channel.scale * given + channel.offset)
-    time = _time(raw, mapping, path, notes) - channel.delay
+    time = instants(raw, mapping, path, notes) - channel.delay
     kept, told = measured(name, given, values, to_si, shown, raw.lines)
     notes += [f"{name}: {note}" for note in told]
     lines = None if raw.lines is None else raw.lines[kept]
     return sampled(name, time[kept], values[kept], raw.lost, lines)
 
 
-def _time(raw: Raw, mapping: Mapping, path: Path, notes: list[str]) -> np.ndarray:
+def instants(raw: Raw, mapping: Mapping, path: Path, notes: list[str]) -> np.ndarray:
     """Return the instants [s]; the mapping's unit goes before the file's, which is told."""
     if raw.time is not None:
         unit = _time_unit(raw, mapping)

@@ -12,6 +12,7 @@ import numpy as np
 from steering_core.parameters import ParameterSet, load_parameters
 
 PERIOD_S = 1e-3
+RATE_HZ = 1.0 / PERIOD_S
 
 READ_AS = "read as: "
 """Begins the note that says how a file was read."""
@@ -28,7 +29,8 @@ class Record:
     found or changed, a sentence each. excluded: (n,) bool, samples not to be judged (saturated,
     bridged gaps); None: all count. sha256: of the file or bag. vehicle_load: kind of the simulated
     load on the rack (vehicle_model.loads), "" where that is not known. units: name to the unit in
-    which a channel was read, where that is not SI.
+    which a channel was read, where that is not SI. rates: name to the rate [Hz] at which a channel
+    was sampled, where that is below the grid's.
     """
 
     valve_system: Literal["open_centre", "closed_centre", "servo_valve"]
@@ -42,6 +44,7 @@ class Record:
     sha256: str = ""
     vehicle_load: str = ""
     units: Mapping[str, str] = field(default_factory=dict)
+    rates: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.channels.values()))) if self.channels else 0
@@ -51,6 +54,10 @@ class Record:
 
     def __getitem__(self, channel: str) -> np.ndarray:
         return self.channels[channel]
+
+    def rate(self, channel: str) -> float:
+        """Return the rate [Hz] at which a channel tells anything: at most the grid's."""
+        return self.rates.get(channel, RATE_HZ)
 
     @property
     def time(self) -> np.ndarray:

@@ -17,6 +17,10 @@ ROUNDING_S = 1e-6
 """Within it an instant is a sample's own, on a clock that counts the seconds since 1970 as well."""
 
 JITTER_SHARE = 0.05
+
+SAME_RATE = 1.02
+"""Of two periods, within which a channel has a sample for every instant of the grid."""
+
 FEWEST_SAMPLES = 200
 
 MOST_REPEATED = 0.5
@@ -35,6 +39,11 @@ class Sampled:
     values: np.ndarray
     findings: tuple[str, ...] = ()
     period: float = field(default=PERIOD_S)
+
+    @property
+    def slow(self) -> bool:
+        """Whether it was sampled more seldom than the record's grid has instants."""
+        return self.period > SAME_RATE * PERIOD_S
 
 
 def sampled(
@@ -146,7 +155,7 @@ def _timing(name: str, time: np.ndarray, period: float) -> list[str]:
     steps = np.diff(time)
     gaps = steps[steps > GAP_PERIODS * period]
     found = []
-    if not 0.98 < period / PERIOD_S < 1.02:
+    if not 1.0 / SAME_RATE < period / PERIOD_S < SAME_RATE:
         rate = 1.0 / period
         nyquist = f"; nothing above {0.5 * rate:.0f} Hz can be judged" if period > PERIOD_S else ""
         found.append(f"{name}: sampled at {rate:.4g} Hz{nyquist}")

@@ -27,8 +27,10 @@ STEP_Z = 0.5
 """Step of the nuisances' differences, in standard deviations."""
 MOVED, TRADES, RENEWED = 1.5, 0.4, 4
 """Nuisances whose columns are renewed: moved so far, or correlated so much; at most so many."""
-WHITE_STEPS = 6
-"""Steps under white noise at most."""
+RENEWED_AT = (2, 5, 9)
+"""Steps before which the nuisances' columns are renewed; between them by Broyden's update."""
+WHITE_STEPS, WHITE_RENEWED_AT = 6, (1, 3)
+"""Steps under white noise at most, and the same of them: they lead further."""
 SMALL = 0.5
 """Gain in twice the log-likelihood at which the iteration ends."""
 
@@ -141,7 +143,7 @@ def refit(
         columns = renew(problem, now)
         if stale and (values or k):
             nuisance = renew_nuisances(problem, now, columns, nuisance, thorough)
-        stale = k in (1, 4, 8)
+        stale = k + 1 in RENEWED_AT
         step_z, step_values, promised = gauss_newton(problem, now, columns, nuisance)
         now = Fit(now.z, now.values, now.residual, now.noise, now.misfit, columns)
         if promised < SMALL:
@@ -211,7 +213,7 @@ def _white_start(
     for k in range(WHITE_STEPS):
         columns = renew(problem, now)
         white = replace(now, noise=noise_of(problem, now))
-        if values or k:
+        if k in WHITE_RENEWED_AT or (values and not k):
             nuisance = renew_nuisances(problem, white, columns, nuisance, not values)
         step_z, step_values, promised = gauss_newton(problem, white, columns, nuisance)
         if promised < SMALL:
@@ -219,6 +221,7 @@ def _white_start(
         better = _line_search(problem, now, step_z, step_values, _under(problem, white.noise))
         if better is None:
             break
+        nuisance = _updated(problem, nuisance, columns, now, better)
         now = better
     return now
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import signal
@@ -14,6 +15,37 @@ LEAST_SAMPLES = 200
 ORDER = 6
 ROLL_OFF = 0.8
 """Bandwidth over the decimated grid's Nyquist frequency."""
+
+
+@lru_cache(maxsize=256)
+def _low_pass(order: int, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sections of a Butterworth low-pass, and their states at rest under 1.
+
+    A diagnosis asks for the same few some thousand times; the design takes longer than the filter.
+    """
+    sections = np.asarray(signal.butter(order, frequency, output="sos"))
+    return sections, np.asarray(signal.sosfilt_zi(sections))
+
+
+def low_passed(
+    values: np.ndarray, order: int, frequency: float, edge: int | None = None
+) -> np.ndarray:
+    """Return ``values`` (n, ...) through a Butterworth low-pass forwards and backwards.
+
+    As ``scipy.signal.sosfiltfilt``, digit for digit, in half its time. frequency: over Nyquist's, 0
+    to 1. edge: samples by which the ends are continued; None: scipy's own choice.
+    """
+    sections, at_rest = _low_pass(order, frequency)
+    if edge is None:
+        edge = 3 * (order + 1)
+    rows = np.ascontiguousarray(values.reshape(len(values), -1).T)
+    before = 2.0 * rows[:, :1] - rows[:, edge:0:-1]
+    behind = 2.0 * rows[:, -1:] - rows[:, -2 : -(edge + 2) : -1]
+    rows = np.concatenate([before, rows, behind], axis=1)
+    for _ in range(2):
+        begin = at_rest[:, None, :] * rows[:, :1]
+        rows = signal.sosfilt(sections, rows, zi=begin)[0][:, ::-1]
+    return np.asarray(rows[:, edge : rows.shape[1] - edge].T.reshape(values.shape))
 
 
 @dataclass(frozen=True)
@@ -40,8 +72,7 @@ class Sampling:
         finite = np.isfinite(columns)
         filled = columns if finite.all() else _bridged(columns, finite)
         if 2.0 * self.bandwidth_hz * self.period_s < 1.0:
-            sections = signal.butter(ORDER, 2.0 * self.bandwidth_hz * self.period_s, output="sos")
-            filled = signal.sosfiltfilt(sections, filled, axis=0)
+            filled = low_passed(filled, ORDER, 2.0 * self.bandwidth_hz * self.period_s)
         kept = filled[:: self.factor].copy()
         kept[~_clear(finite, 2 * self.factor)[:: self.factor]] = np.nan
         return kept.reshape(-1, *raw.shape[1:])
@@ -81,12 +112,17 @@ def held_out(block: np.ndarray, every: int) -> np.ndarray:
 def _bridged(columns: np.ndarray, finite: np.ndarray) -> np.ndarray:
     """Bridge gaps by straight lines, so that the filter has something to work on."""
     filled = columns.copy()
-    index = np.arange(len(columns))
     for j in np.flatnonzero(~finite.all(axis=0)):
-        known = finite[:, j]
-        filled[~known, j] = (
-            np.interp(index[~known], index[known], columns[known, j]) if known.any() else 0.0
-        )
+        missing, known = np.flatnonzero(~finite[:, j]), np.flatnonzero(finite[:, j])
+        if not len(known):
+            filled[:, j] = 0.0
+            continue
+        after = np.searchsorted(known, missing)
+        ends = known[np.maximum(after - 1, 0)], known[np.minimum(after, len(known) - 1)]
+        first, last = columns[ends[0], j], columns[ends[1], j]
+        span = np.maximum(ends[1] - ends[0], 1)
+        within = np.clip(missing - ends[0], 0, span)
+        filled[missing, j] = first + (last - first) / span * within
     return filled
 
 

@@ -161,7 +161,8 @@ def _refusal(record: Record, found: list[Suspicion]) -> tuple[Verdict, str] | No
         return "unexplained", f"Not judged: {suspected[0].text}. It drives the replay; put it right"
     if ESSENTIAL in record:
         angle = bridged(record[ESSENTIAL])
-        if len(angle) > 200 and np.std(angle) < max(LEAST_ANGLE, 3.0 * spectrum(angle).noise):
+        noise = spectrum(angle, rate_hz=record.rate(ESSENTIAL)).noise
+        if len(angle) > 200 and np.std(angle) < max(LEAST_ANGLE, 3.0 * noise):
             still = f"The wheel hardly moves ({np.std(angle):.2g} rad)"
             return "insufficient_excitation", f"{still}: record a manoeuvre, such as weave"
     return None

@@ -6,6 +6,7 @@ offset, delay and lag, must have felt.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -20,6 +21,7 @@ from steering_diagnosis.steering.load import COMMAND as LOAD_COMMAND
 from steering_diagnosis.steering.load import LoadCommand
 from steering_diagnosis.steering.smoothing import (
     Curve,
+    Spectrum,
     begins_moving,
     bridged,
     integrated,
@@ -29,6 +31,9 @@ from steering_diagnosis.steering.smoothing import (
 )
 from steering_diagnosis.steering.standstill import calmed, restful, standstills
 from steering_plant.model import states
+
+KEPT = 4
+"""Inputs of the replay that are remembered, by the sensors that they were measured with."""
 
 RUN_UP = 200
 """Ticks before the record in which hidden states settle."""
@@ -101,20 +106,15 @@ def sensor(parameters: ParameterSet, channel: str) -> Sensor:
     )
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Driven:
-    """Arrays that the kernel takes: see ``kernels.simulate.simulate``."""
+    """Arrays that the kernel takes, see ``kernels.simulate.simulate``; equal to itself alone."""
 
     at: np.ndarray
     given: np.ndarray
     slopes: np.ndarray
     held: np.ndarray
     rise: np.ndarray
-
-    @property
-    def key(self) -> bytes:
-        """A digest of the content, for the cache."""
-        return b"".join(a.tobytes() for a in (self.at, self.given, self.held, self.rise))
 
 
 class Drive:
@@ -132,10 +132,18 @@ class Drive:
                 f"'{record.name}' has no steering_wheel_angle, which drives the replay: map it"
             )
         self.record = record
+        self._remembered: OrderedDict[object, Driven] = OrderedDict()
         self._moving = moving = begins_moving(record["steering_wheel_angle"])
         self._cutoff_hz = cutoff_hz
         self.curves = {
-            name: Curve(record[name], negligible, RUN_UP, moving, self._low_pass_of(name))
+            name: Curve(
+                record[name],
+                negligible,
+                RUN_UP,
+                moving,
+                self._low_pass_of(name),
+                record.rate(name),
+            )
             for name, negligible in NEGLIGIBLE.items()
             if name in record
         }
@@ -198,12 +206,25 @@ class Drive:
     def driven(self, parameters: ParameterSet, inputs: Mapping[str, int] | None = None) -> Driven:
         """Return the kernel's arrays for sensors as ``parameters`` have them.
 
-        inputs: channels with the states that they prescribe (of a position also its speed).
+        inputs: channels with the states that they prescribe (of a position also its speed). The
+        last ones are remembered: most parameters are none of a sensor's.
         """
+        inputs = self.inputs() if inputs is None else inputs
+        channels = [*inputs, *(["rack_force"] if self.load == "cell" else [])]
+        by = tuple(sensor(parameters, channel) for channel in channels)
+        key = (tuple(inputs.items()), by, parameters["oil.atmospheric_pressure"])
+        if key not in self._remembered:
+            self._remembered[key] = self._driven(parameters, inputs)
+        self._remembered.move_to_end(key)
+        while len(self._remembered) > KEPT:
+            self._remembered.popitem(last=False)
+        return self._remembered[key]
+
+    def _driven(self, parameters: ParameterSet, inputs: Mapping[str, int]) -> Driven:
         at: list[int] = []
         given: list[np.ndarray] = []
         slopes: list[np.ndarray] = []
-        for channel, state in (self.inputs() if inputs is None else inputs).items():
+        for channel, state in inputs.items():
             orders = (0, 1) if state in (states.ANGLE, states.POSITION) else (0,)
             curves = [self.felt(channel, parameters, order) for order in range(len(orders) + 1)]
             if state in (states.LEFT, states.RIGHT):
@@ -225,10 +246,13 @@ class Drive:
         """Return whether the load's command is known beside what the load cell measures."""
         return {*LOAD_COMMAND, "rack_position"} <= set(self.record.channels)
 
+    def _spectrum(self, channel: str) -> Spectrum:
+        return spectrum(bridged(self.record[channel]), rate_hz=self.record.rate(channel))
+
     def _low_pass_of(self, channel: str) -> float | None:
         """Return the cut-off [Hz] of a channel's low-pass, None: where its signal ends."""
         if self._cutoff_hz is None and channel == "rack_force" and not self.knows_load:
-            noisy = spectrum(bridged(self.record[channel])).noise > NEGLIGIBLE[channel]
+            noisy = self._spectrum(channel).noise > NEGLIGIBLE[channel]
             return LONE_HZ if noisy else None
         return self._cutoff_hz
 
@@ -244,7 +268,7 @@ class Drive:
         if not own.smoothed:
             return
         rate = bridged(self.record[speed])
-        known = spectrum(rate)
+        known = self._spectrum(speed)
         crossover = max(known.noise / (2.0 * np.pi * own.spectrum.noise), SLOW_HZ)
         if crossover > 0.5 * own.cutoff_hz:
             return
@@ -263,7 +287,7 @@ class Drive:
         for speed in MOVING.values():
             if speed in self.record:
                 rate = bridged(self.record[speed])
-                where = restful(where, rate, spectrum(rate).noise)
+                where = restful(where, rate, self._spectrum(speed).noise)
         return where
 
     def _stand_still(self, *channels: str) -> None:
@@ -294,7 +318,7 @@ class Drive:
         down where it holds nothing but noise.
         """
         beyond = bridged(self.record["rack_force"]) - expected
-        known = spectrum(beyond, lowest_hz=BEYOND_HZ)
+        known = spectrum(beyond, BEYOND_HZ, self.record.rate("rack_force"))
         beyond, slow = low_pass(beyond, known.cutoff_hz), low_pass(beyond, BEYOND_HZ)
         if np.std(beyond - slow) < known.noise:
             beyond = slow

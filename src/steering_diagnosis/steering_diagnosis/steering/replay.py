@@ -171,7 +171,7 @@ class SteeringReplay:
         """Return a replay whose inputs have more noise, and that of the outputs, (n, outputs)."""
         random = np.random.default_rng(0)
         added = {
-            name: noise_like(bridged(self.record[name]), random)
+            name: noise_like(bridged(self.record[name]), random, self.record.rate(name))
             for name in SHAKING
             if name in self.record
         }
@@ -184,8 +184,10 @@ class SteeringReplay:
         """Return the white noise of each output's channel, standard deviation, (outputs,)."""
         return np.array(
             [
-                spectrum(bridged(self.record[o.name])).noise if o.name in self.record else 0.0
-                for o in self.outputs
+                spectrum(bridged(self.record[n]), rate_hz=self.record.rate(n)).noise
+                if n in self.record
+                else 0.0
+                for n in (o.name for o in self.outputs)
             ]
         )
 

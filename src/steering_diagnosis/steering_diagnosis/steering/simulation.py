@@ -85,7 +85,7 @@ class Simulation:
         self.valve_system = record.valve_system
         self.table = boost_curve.FORMULA if record.boost_table is None else record.boost_table
         self.names = state_names(self.valve_system)
-        self._cache: OrderedDict[bytes, np.ndarray] = OrderedDict()
+        self._cache: OrderedDict[tuple[bytes, bytes, Driven], np.ndarray] = OrderedDict()
         self.count = 0
 
     def __getstate__(self) -> dict[str, object]:
@@ -109,7 +109,7 @@ class Simulation:
         """Simulate under given inputs; see ``run``."""
         par = plant_record(parameters, self.valve_system, self.table)
         e = full_model(self.valve_system).values(effects)
-        key = par.tobytes() + e.tobytes() + driven.key
+        key = (par.tobytes(), e.tobytes(), driven)
         rows = self._cache.get(key)
         if rows is None:
             rows = self._simulate(par, e, driven, parameters)
@@ -126,11 +126,13 @@ class Simulation:
         scale = np.array(
             [RELAXED.get(name, TOLERANCES[name]) for name in self.names] + list(model.tolerances)
         )
+        scale[driven.at] = np.inf
         rows = np.empty((len(driven.given), 2 * len(y) + EXTRA))
         status, tick = model.kernel.simulate(
             par,
             self.table,
             e,
+            self.drive.valves,
             scale,
             driven.at,
             driven.given,

@@ -10,11 +10,13 @@ import numpy as np
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
-from steering_diagnosis.data.record import PERIOD_S
+from steering_diagnosis.data.record import PERIOD_S, RATE_HZ
+from steering_diagnosis.engine.sampling import low_passed
 
 SEGMENT = 2048
-NOISE_BAND_HZ = 350.0
-"""Above it nothing of a steering gear moves: what is there is noise."""
+NOISE_BAND = 0.7
+"""Share of half a channel's rate above which nothing of a steering gear moves: what is there is
+noise. Above 350 Hz of a channel on ticks."""
 
 LOWEST_HZ, HIGHEST_HZ = 12.0, 120.0
 ABOVE_NOISE = 3.0
@@ -36,31 +38,51 @@ class Spectrum:
     cutoff_hz: float
 
 
-def spectrum(values: np.ndarray, lowest_hz: float = LOWEST_HZ) -> Spectrum:
-    """Return noise and cut-off of ``values``, (n,) without NaN, at the record's rate.
+def spectrum(
+    values: np.ndarray, lowest_hz: float = LOWEST_HZ, rate_hz: float = RATE_HZ
+) -> Spectrum:
+    """Return noise and cut-off of ``values``, (n,) without NaN, on the record's grid.
 
-    lowest_hz: least cut-off.
+    lowest_hz: least cut-off. rate_hz: at which the channel was sampled before it was interpolated;
+    the noise is that of a channel on ticks which has as much of it in the frequencies of motion.
     """
     segment = min(SEGMENT, len(values))
     hz, density = signal.welch(
         values, 1.0 / PERIOD_S, "hann", segment, detrend="linear", average="median"
     )
-    floor = float(np.median(density[hz >= NOISE_BAND_HZ]))
-    loud = np.flatnonzero((density > ABOVE_NOISE * floor) & (hz < NOISE_BAND_HZ))
+    top = 0.5 * min(rate_hz, RATE_HZ)
+    left = _interpolated(hz, rate_hz)
+    band = (hz >= NOISE_BAND * top) & (hz <= top)
+    floor = float(np.median(density[band] / left[band]))
+    loud = np.flatnonzero((density > ABOVE_NOISE * floor * left) & (hz < NOISE_BAND * top))
     quiet = np.flatnonzero(np.diff(loud) > max(3, len(hz) // 100))
     last = loud[quiet[0]] if len(quiet) else (loud[-1] if len(loud) else 0)
-    cutoff = float(np.clip(1.5 * hz[last], lowest_hz, HIGHEST_HZ))
+    cutoff = float(np.clip(1.5 * hz[last], lowest_hz, min(HIGHEST_HZ, max(top, lowest_hz))))
     return Spectrum(float(np.sqrt(floor * 0.5 / PERIOD_S)), cutoff)
 
 
-def noise_like(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
+def _interpolated(hz: np.ndarray, rate_hz: float) -> np.ndarray:
+    """Return the share of white noise's power that straight lines between samples leave at ``hz``.
+
+    Samples at ``rate_hz`` with a triangle of that width about each, and what the grid folds back
+    (Oppenheim, Schafer: Discrete-Time Signal Processing, 4.6).
+    """
+    if rate_hz >= RATE_HZ:
+        return np.ones_like(hz)
+    folded = hz[:, None] + RATE_HZ * np.arange(-2, 3)
+    return np.asarray(np.sum(np.sinc(folded / rate_hz) ** 4, axis=1))
+
+
+def noise_like(
+    values: np.ndarray, random: np.random.Generator, rate_hz: float = RATE_HZ
+) -> np.ndarray:
     """Return another draw of the noise of a channel (n,) without NaN, coloured as its own is.
 
     Its density is the channel's own where the signal has sunk into the noise; below, where the
     signal hides it, that of the lowest such octave. A sensor's noise is seldom white, and a rack
-    rings on its torsion bar with what it holds there.
+    rings on its torsion bar with what it holds there. rate_hz: at which the channel was sampled.
     """
-    known = spectrum(values)
+    known = spectrum(values, rate_hz=rate_hz)
     segment = min(SEGMENT, len(values))
     hz, density = signal.welch(
         values, 1.0 / PERIOD_S, "hann", segment, detrend="linear", average="median"
@@ -79,10 +101,7 @@ def noise_like(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
 
 def low_pass(values: np.ndarray, cutoff_hz: float) -> np.ndarray:
     """Return ``values`` (n, ...) low-passed with zero phase."""
-    sections = signal.butter(ORDER, 2.0 * cutoff_hz * PERIOD_S, output="sos")
-    return np.asarray(
-        signal.sosfiltfilt(sections, values, axis=0, padlen=min(EDGE, len(values) - 1))
-    )
+    return low_passed(values, ORDER, 2.0 * cutoff_hz * PERIOD_S, min(EDGE, len(values) - 1))
 
 
 def is_noise(error: np.ndarray, motion: np.ndarray, noise: float) -> bool:
@@ -121,7 +140,8 @@ class Curve:
 
     values: (n,). negligible: noise below which it is taken as it is. before: ticks of continuation.
     moving: mirror them through the first value, so that motion goes on as it was; else hold it.
-    cutoff_hz: of the low-pass; None: where the signal sinks into its noise.
+    cutoff_hz: of the low-pass; None: where the signal sinks into its noise. rate_hz: at which the
+    channel was sampled.
     """
 
     def __init__(
@@ -131,10 +151,11 @@ class Curve:
         before: int,
         moving: bool = False,
         cutoff_hz: float | None = None,
+        rate_hz: float = RATE_HZ,
     ) -> None:
         values = bridged(np.asarray(values, dtype=np.float64))
         self._before, self._moving = before, moving
-        self.spectrum = spectrum(values)
+        self.spectrum = spectrum(values, rate_hz=rate_hz)
         self.cutoff_hz = self.spectrum.cutoff_hz if cutoff_hz is None else cutoff_hz
         self.smoothed = cutoff_hz is not None or self.spectrum.noise > negligible
         self.low_passed = self.smoothed

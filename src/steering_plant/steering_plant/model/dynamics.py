@@ -45,6 +45,19 @@ def rates(p, table, e, time, y, u, dy, flows):
 
 
 @kernel
+def rates_between_pressures(p, e, time, y, u, dy, flows):
+    """Fill ``dy`` as ``rates`` does where both chambers' pressures are given, and no valve.
+
+    Nothing of the hydraulics then reaches the mechanics: its states rest, its flows are not known.
+    """
+    torque = mechanics.torsion_bar_torque(p, y, e)
+    mechanics.mechanical_rates(p, y, dy, u, torque, e)
+    if p.load_cylinder > 0.0:
+        load_cylinder.load_cylinder_rates(p, y, dy, u, e)
+    slots.effect_rates(time, y, dy, u, flows, e)
+
+
+@kernel
 def settle(p, e, y):
     """Release the friction elements to their present limits, in place.
 

@@ -10,8 +10,8 @@ from typing import Any
 import yaml
 
 from steering_bringup.bags.sources.qos import Kept, kept_of
+from steering_core.plain_yaml import plain
 
-LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 INFORMATION = "rosbag2_bagfile_information"
 
 
@@ -33,7 +33,7 @@ class Metadata:
 def read_metadata(file: Path) -> Metadata:
     """Return what a bag's metadata.yaml of any version tells; nothing where there is no file."""
     try:
-        content = yaml.load(file.read_text(encoding="utf-8"), Loader=LOADER)
+        content = plain(file.read_text(encoding="utf-8"))
     except FileNotFoundError:
         return Metadata()
     except OSError as error:

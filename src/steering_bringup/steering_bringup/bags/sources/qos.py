@@ -8,6 +8,8 @@ from typing import Any
 
 import yaml
 
+from steering_core.plain_yaml import plain
+
 LATCHED = ("/tf_static", "/robot_description")
 """Names whose publishers keep their last message by convention."""
 
@@ -37,7 +39,7 @@ def kept_of(profiles: Any) -> Kept:
     """Return it of ``offered_qos_profiles``: a list, or its YAML text; numbers or words in it."""
     if isinstance(profiles, str):
         try:
-            profiles = yaml.safe_load(profiles)
+            profiles = plain(profiles)
         except yaml.YAMLError:
             profiles = None
     entries = [profiles] if isinstance(profiles, Mapping) else profiles

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from steering_core.compiled import kernel
-from steering_plant.model.dynamics import possible, rates, settle
+from steering_plant.model.dynamics import possible, rates, rates_between_pressures, settle
 from steering_plant.model.mechanics import torsion_bar_torque
 from steering_plant.model.slots import (
     left_command,
@@ -37,6 +37,8 @@ EXTRA = 5
 
 TICK = 1e-3
 SMALLEST_STEP = 1e-8
+ROUNDED = 1e-13
+"""Share of an input that two ways to the same number may differ by."""
 MOST_STEPS = 5000
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.85, 0.2, 3.0
 SMALL_ERROR = (SAFETY / GREATEST_FACTOR) ** 3
@@ -58,18 +60,37 @@ def prescribe(y, at, given, slopes, tick, share):
 
 
 @kernel
-def slope(p, table, e, at, given, slopes, tick, share, lead, held, rise, y, u, dy, flows):
-    """Fill ``dy`` at ``share`` of a tick; prescribed states are written and do not integrate."""
-    prescribe(y, at, given, slopes, tick, share)
-    u[LOAD_FORCE] = held[tick, LOAD_FORCE] + share * rise[tick]
-    rates(p, table, e, (tick - lead + share) * TICK, y, u, dy, flows)
+def slope(p, table, e, valves, time, y, u, dy, flows):
+    """Fill ``dy`` [1/s]; without the valves' commands the hydraulics rests."""
+    if valves:
+        rates(p, table, e, time, y, u, dy, flows)
+    else:
+        rates_between_pressures(p, e, time, y, u, dy, flows)
 
 
 @kernel
-def still(at, dy):
-    """Let the prescribed states rest: their motion is not integrated."""
-    for j in range(at.shape[0]):
-        dy[at[j]] = 0.0
+def stand(at, given, slopes, held, rise, tick, share, y, u):
+    """Write what is given at ``share`` of a tick: prescribed states, and the load's force."""
+    prescribe(y, at, given, slopes, tick, share)
+    u[LOAD_FORCE] = held[tick, LOAD_FORCE] + share * rise[tick]
+
+
+@kernel
+def goes_on(held, u, tick):
+    """Return whether the inputs of a tick are those that the one before it ended with."""
+    same = True
+    for i in range(u.shape[0]):
+        same = same and abs(held[tick, i] - u[i]) <= ROUNDED * abs(u[i])
+    return same
+
+
+@kernel
+def unchanged(y, other):
+    """Return whether two states are the same."""
+    same = True
+    for i in range(y.shape[0]):
+        same = same and y[i] == other[i]
+    return same
 
 
 @kernel
@@ -88,33 +109,36 @@ def keep(p, e, y, dy, flows, time, row):
 
 
 @kernel
-def simulate(par, table, e, scale, at, given, slopes, lead, held, rise, y, u, work, flows, trace):
+def simulate(
+    par, table, e, valves, scale, at, given, slopes, lead, held, rise, y, u, work, flows, trace
+):
     """Integrate over all ticks and fill ``trace``; return (status, tick reached).
 
-    par, table, e: of the plant. scale: error allowed in one inner step, by state. at, given,
-    slopes: prescribed states (``prescribe``). lead: ticks before time zero. held: inputs of the
-    plant, held from tick to tick, (n, 7). rise: what the load's force grows by within each tick,
-    (n,). y: state to begin with, replaced. u, work, flows: room. trace: (n, 2 states + EXTRA), see
-    ``keep``.
+    par, table, e: of the plant. valves: whether their commands are known; where they are not, both
+    chambers' pressures are prescribed and the hydraulics rests. scale: error allowed in one inner
+    step, by state, infinite for prescribed ones. at, given, slopes: prescribed states
+    (``prescribe``). lead: ticks before time zero. held: inputs of the plant, held from tick to
+    tick, (n, 7). rise: what the load's force grows by within each tick, (n,). y: state to begin
+    with, replaced. u, work, flows: room. trace: (n, 2 states + EXTRA), see ``keep``.
     """
     p = par[0]
     k1, k2, k3, k4, new, stage = work[0], work[1], work[2], work[3], work[4], work[5]
     n, ticks = y.shape[0], given.shape[0]
-    step = 1.0
+    step, known = 1.0, False
     for tick in range(ticks):
-        last = tick + 1 == ticks
-        row = tick - 1 if last else tick
-        for i in range(u.shape[0]):
-            u[i] = held[tick, i]
-        sampled_states(y, u, e)
-        u[LEFT_SOLENOID] = left_command(u[LEFT_SOLENOID], y, e)
-        u[RIGHT_SOLENOID] = right_command(u[RIGHT_SOLENOID], y, e)
-        begin = 1.0 if last else 0.0
-        slope(p, table, e, at, given, slopes, row, begin, lead, held, rise, y, u, k1, flows)
-        keep(p, e, y, k1, flows, (tick - lead) * TICK, trace[tick])
-        if last:
-            return OK, tick
-        still(at, k1)
+        time = (tick - lead) * TICK
+        if not (known and goes_on(held, u, tick)):
+            for i in range(u.shape[0]):
+                u[i] = held[tick, i]
+            sampled_states(y, u, e)
+            u[LEFT_SOLENOID] = left_command(u[LEFT_SOLENOID], y, e)
+            u[RIGHT_SOLENOID] = right_command(u[RIGHT_SOLENOID], y, e)
+            last = tick + 1 == ticks
+            stand(at, given, slopes, held, rise, tick - last, 1.0 if last else 0.0, y, u)
+            slope(p, table, e, valves, time, y, u, k1, flows)
+        keep(p, e, y, k1, flows, time, trace[tick])
+        if tick + 1 == ticks:
+            break
         done, steps = 0.0, 0
         while done < 1.0:
             steps += 1
@@ -125,22 +149,18 @@ def simulate(par, table, e, scale, at, given, slopes, lead, held, rise, y, u, wo
             for i in range(n):
                 stage[i] = y[i] + 0.5 * h * k1[i]
             middle = done + 0.5 * share
-            slope(
-                p, table, e, at, given, slopes, tick, middle, lead, held, rise, stage, u, k2, flows
-            )
-            still(at, k2)
+            stand(at, given, slopes, held, rise, tick, middle, stage, u)
+            slope(p, table, e, valves, time + middle * TICK, stage, u, k2, flows)
             for i in range(n):
                 stage[i] = y[i] + 0.75 * h * k2[i]
             middle = done + 0.75 * share
-            slope(
-                p, table, e, at, given, slopes, tick, middle, lead, held, rise, stage, u, k3, flows
-            )
-            still(at, k3)
+            stand(at, given, slopes, held, rise, tick, middle, stage, u)
+            slope(p, table, e, valves, time + middle * TICK, stage, u, k3, flows)
             for i in range(n):
                 new[i] = y[i] + h * (2.0 * k1[i] + 3.0 * k2[i] + 4.0 * k3[i]) / 9.0
             end = min(done + share, 1.0)
-            slope(p, table, e, at, given, slopes, tick, end, lead, held, rise, new, u, k4, flows)
-            still(at, k4)
+            stand(at, given, slopes, held, rise, tick, end, new, u)
+            slope(p, table, e, valves, time + end * TICK, new, u, k4, flows)
             error = math.inf
             if possible(p, new):
                 error = 0.0
@@ -159,6 +179,7 @@ def simulate(par, table, e, scale, at, given, slopes, lead, held, rise, y, u, wo
             for i in range(n):
                 y[i], k1[i] = new[i], k4[i]
             settle(p, e, y)
+        known = not valves and unchanged(y, new)
     return OK, ticks - 1
 
 
