@@ -39,6 +39,7 @@ ROS_MODULES = {
     f"steering_lockstep.{name}"
     for name in (
         "diagnostics",
+        "rosout",
         "endpoints",
         "free_clock",
         "node",
