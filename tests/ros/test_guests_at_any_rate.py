@@ -61,9 +61,11 @@ def test_guests_at_1_and_10_hz_steer_and_are_faded_out_after_three_periods(tmp_p
     assert np.all(after[-2000:] == one)
     assert applied["applied"][-1] == -1.0
     told = arbiter_statuses(tmp_path / "heard")
-    assert {"serves ten_hertz", "serves one_hertz; a source is silent"} <= {
-        status["message"] for status in told
-    }
+    texts = {status["message"] for status in told}
+    # of changes that follow each other at once the last one is kept
+    assert any(text.startswith("serves ten_hertz") for text in texts), texts
+    assert any(text.startswith("serves one_hertz") for text in texts), texts
+    assert any("a source is silent" in text for text in texts), texts
     known = {entry["key"]: entry["value"] for entry in told[-1]["values"]}
     assert known["served"] == "one_hertz"
     assert known["applied_Nm"] == "-1"
