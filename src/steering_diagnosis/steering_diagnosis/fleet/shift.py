@@ -81,6 +81,6 @@ def shifts(members: Sequence[Learned], alone: Sequence[frozenset[str]] = ()) -> 
         sd = float(np.sqrt(cov[i, i]))
         judged = bool(expected[i] > TOLD * len(members))
         scatter = float(np.sqrt(squares[i] / expected[i])) if judged else float("nan")
-        common = judged and abs(mean[i]) > critical * sd
+        common = judged and bool(abs(mean[i]) > critical * sd)
         result.append(Shift(name, *table[name], float(mean[i]), sd, scatter, judged, common))
     return sorted(result, key=lambda s: -abs(s.mean) / s.sd)
