@@ -91,6 +91,22 @@ class Source(Part):
     sha256: str
 
 
+class Learned(Part):
+    """What a record tells of the toleranced parameters: their posterior under the tolerances.
+
+    deviation: one standard deviation of a specimen, half the tolerance (absolute). mean (p,) and
+    covariance (p, p): in these deviations from nominal. changed_by: parameter to the named effects
+    that are in it.
+    """
+
+    names: list[str]
+    nominal: list[float]
+    deviation: list[float]
+    mean: list[float]
+    covariance: list[list[float]]
+    changed_by: dict[str, list[str]] = Field(default_factory=dict)
+
+
 class Report(Part):
     """``report.json``, schema 1."""
 
@@ -106,6 +122,7 @@ class Report(Part):
     undecidable: dict[str, str] = Field(default_factory=dict)
     rivals: list[Rival] = Field(default_factory=list)
     nuisance: dict[str, Refitted] = Field(default_factory=dict)
+    learned: Learned | None = None
     signals: dict[str, Signal] = Field(default_factory=dict)
     suspicions: list[str] = Field(default_factory=list)
     notes: list[str] = Field(default_factory=list)

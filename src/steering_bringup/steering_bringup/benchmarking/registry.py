@@ -111,6 +111,15 @@ MISTAKES = {
 
 NOT_IN_A_RIG = {"speeds"}
 
+FLEET = (
+    Row("bar", "stiffer bar of all named as common", at_least=1.0, digits=0),
+    Row("bar_value", "the bar's stiffness over the data sheet's, drawn 5 %", "%"),
+    Row("leaks", "specimens with a leak named with it alone", "%", at_least=100.0, digits=0),
+    Row("wrong_single", "specimens with another single cause", at_most=0.0, digits=0),
+    Row("wrong_common", "other common causes or shifts", at_most=0.0, digits=0),
+    Row("failed", "specimens that could not be judged", at_most=0.0, digits=0),
+)
+
 RIG_MISTAKES = (
     Row("clean", "clean records in which something is suspected", "%", at_most=0.0),
     Row("effects", "records of large effects in which something is suspected", "%", at_most=0.0),
@@ -178,6 +187,13 @@ BENCHMARKS: dict[str, Benchmark] = {
             "what rigs get wrong in a record, and how often it is suspected",
             RIG_MISTAKES,
             {"records": 1, "changed": 1, "each": 1, "seconds": 4.0, "no_effects": True},
+            ros=False,
+        ),
+        Benchmark(
+            "fleet",
+            "a drawn fleet: a shift that all have, and leaks of single ones",
+            FLEET,
+            {"specimens": 2, "leaks": 1, "seconds": 4.0, "jobs": 1},
             ros=False,
         ),
         Benchmark(

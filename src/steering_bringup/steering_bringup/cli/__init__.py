@@ -36,6 +36,7 @@ COMMANDS = {
     "study": "questions beyond the source: energy, heavy vehicle, ...; each on one page",
     "reproduce": "every figure of the source, with its numbers beside ours",
     "diagnose": "what the simulation gets wrong on a record, the cause, the extended model",
+    "fleet": "several specimens: what the model gets wrong in all, and what one has alone",
     "diagnose-emps": "the diagnosis of a public benchmark's real axis",
     "plan": "the experiment that separates what a diagnosis could not",
     "linear": "Bode plots, margins, chattering, lag, latency and tolerances of valves and steering",
@@ -53,6 +54,7 @@ PACKAGES: dict[str, str] = {
     "reproduce": "steering_studies",
     "compare": "steering_diagnosis",
     "diagnose": "steering_diagnosis",
+    "fleet": "steering_diagnosis",
     "diagnose-emps": "steering_diagnosis",
     "plan": "steering_diagnosis",
 }

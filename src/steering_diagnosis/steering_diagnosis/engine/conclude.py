@@ -14,7 +14,7 @@ from steering_diagnosis.engine.ends import pressed
 from steering_diagnosis.engine.evidence import Evidence, HeldOut
 from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Region, Rms
 from steering_diagnosis.engine.fit import Fit
-from steering_diagnosis.engine.intervals import intervals
+from steering_diagnosis.engine.intervals import intervals, joint_covariance
 from steering_diagnosis.engine.noise import mean_square
 from steering_diagnosis.engine.remaining import Left, drifted, left_by
 from steering_diagnosis.engine.search import Search
@@ -81,6 +81,8 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         explained=kept.left[0].explained if best.values else 0.0,
         calls=problem.runs.calls,
         step_s=problem.runs.grid.step_s,
+        spread=joint_covariance(problem, best),
+        active=tuple((n, p.name) for n in best.values for p in book.hypotheses[n].parameters),
         held_out_samples=_samples_out(search, len(block)),
         residual_nominal=nominal,
         residual_refitted=null.residual,

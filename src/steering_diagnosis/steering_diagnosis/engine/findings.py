@@ -65,6 +65,8 @@ class Findings:
     nuisances, effects: absolute parameters of the extended model, as ``Replay.residuals`` takes
     them; refitted: of the nominal model refitted inside tolerance. residuals: on the decimated
     grid of the fitted record, (n, outputs) each. undecidable: hypothesis to reason.
+    spread: covariance of the nuisances [standard deviations of a specimen] in the order of
+    ``catalogue``, and behind them of the parameters [units] of the active hypotheses ``active``.
     """
 
     verdict: Verdict
@@ -83,6 +85,8 @@ class Findings:
     explained: float
     calls: int
     step_s: float
+    spread: np.ndarray
+    active: tuple[tuple[str, str], ...]
     held_out_samples: np.ndarray
     residual_nominal: np.ndarray
     residual_refitted: np.ndarray

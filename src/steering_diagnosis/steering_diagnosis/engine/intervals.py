@@ -70,6 +70,16 @@ def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
     return Covariance(matrix, slopes @ matrix)
 
 
+def joint_covariance(problem: Problem, fit: Fit) -> np.ndarray:
+    """Return the covariance of nuisances [standard deviations] and hypotheses [units], (p + k, .).
+
+    The likelihood's, with the tolerances as prior.
+    """
+    units = [scales(problem.book.hypotheses[name]) for name in fit.values]
+    unit = np.concatenate([np.ones(problem.nuisance.shape[-1]), *units])
+    return covariance(problem, fit, np.zeros(0)).matrix * np.outer(unit, unit)
+
+
 def intervals(problem: Problem, fit: Fit, block: np.ndarray) -> dict[str, dict[str, Interval]]:
     """Return the estimates of every active hypothesis with their 95 % intervals."""
     spread = covariance(problem, fit, block)

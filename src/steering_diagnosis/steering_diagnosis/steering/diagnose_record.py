@@ -23,6 +23,7 @@ from steering_diagnosis.steering.balance_errors import Balances
 from steering_diagnosis.steering.channel_faults import Suspicion
 from steering_diagnosis.steering.clean_gains import settings_of
 from steering_diagnosis.steering.extension import extension
+from steering_diagnosis.steering.learned import learned
 from steering_diagnosis.steering.replay import SteeringReplay
 from steering_diagnosis.steering.smoothing import bridged, spectrum
 from steering_diagnosis.steering.suspicions import left_out, suspicions, without
@@ -90,6 +91,7 @@ def diagnose_record(
         told,
         [*record.notes, *_left_out(gone), *lost],
     )
+    report.learned = learned(replay, findings)
     if gone:
         report.sentence = (
             f"The record seems to be wrong: {_suspected(found + beside)}. Judged without "
