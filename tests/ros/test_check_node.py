@@ -44,8 +44,8 @@ def test_a_careless_node_fails_where_its_inputs_do(tmp_path):
     assert "0 of 2 passed" in out
 
 
-def test_a_slow_node_without_a_name_is_told_so(tmp_path):
-    _, _, verdicts = check(tmp_path, *guest("slow", "none"))
+def test_a_node_without_a_name_that_speaks_in_bursts_is_told_so(tmp_path):
+    _, _, verdicts = check(tmp_path, *guest("in_bursts", "none"))
     assert "names no source" in verdicts["none"]["change"]
     assert "of the time: its messages come every" in verdicts["none"]["change"]
 

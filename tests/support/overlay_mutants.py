@@ -23,6 +23,7 @@ MODULES = (
     "limits",
     "overlay.lateral",
     "overlay.limits",
+    "overlay.guests",
     "overlay.hands",
     "overlay.sources",
     "overlay.split",
@@ -38,6 +39,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
     ("overlay.lateral", "lateral_gain + 7: edge of LtE"): SAME_VALUE,
     ("overlay.split", "overlaid + 7: edge of Gt"): SAME_VALUE,
     ("overlay.hands", "left_authority + 7: edge of Gt"): "the next lines set it for 0",
+    ("overlay.arbiter", "hear_guest + 6: 0.0 to 1.0"): "it is set before it is read",
     ("overlay.arbiter", "_unheard + 2: 1.0 to 2.0"): "any negative number means: not yet",
 }
 """(file, what is broken): why nobody can tell."""
@@ -85,6 +87,7 @@ def caught(modules: dict[str, ModuleType]) -> bool:
             right = (
                 _split_holds(modules["overlay.split"].overlaid)
                 and _refuses(make)
+                and _refuses_guests(make)
                 and _knows_no_trail(modules["overlay.lateral"].lateral_fields)
             )
             return not (right and all(holds(make, SecondArbiter, s) for s in STORIES))
@@ -145,6 +148,16 @@ def _refuses(make: Any) -> bool:
     return True
 
 
+def _refuses_guests(make: Any) -> bool:
+    """Return whether bounds of a guest's period the wrong way round are refused, equal ones not."""
+    make(_longest_guest_period(0.01))
+    try:
+        make(_longest_guest_period(0.009))
+    except ParameterError as error:
+        return "longest_guest_period must not be less" in str(error)
+    return False
+
+
 def _knows_no_trail(fields: Any) -> bool:
     """Return whether a car that tyres do not centre gets the greatest gain of all."""
     none = {"vehicle.pneumatic_trail": 0.0, "vehicle.mechanical_trail": 0.0}
@@ -155,6 +168,11 @@ def _knows_no_trail(fields: Any) -> bool:
 @cache
 def _override(full: float) -> ParameterSet:
     return load_parameters().with_values({"overlay.override_full": full})
+
+
+@cache
+def _longest_guest_period(seconds: float) -> ParameterSet:
+    return load_parameters().with_values({"overlay.longest_guest_period": seconds})
 
 
 def _split_holds(overlaid: Any) -> bool:

@@ -33,12 +33,17 @@ AT_ONCE = QUICK | {
 """Without fade and filter: a wish can be exactly at a limit, a driver is there from the start."""
 
 
+RHYTHM = {"overlay.guest_period": 0.002, "overlay.longest_guest_period": 0.015}
+"""Bounds of a guest's period that stories go past on both sides."""
+
+
 @dataclass(frozen=True)
 class Story:
     """A run with wishes, hands and speeds drawn from ``seed``.
 
-    ``hands``: up to which [N m] and [rad/s]; ``wild``: with faults; ``exact``: wishes [N m], one
-    after the other, in place of drawn ones; ``against``: the hand's torque [N m] all the time.
+    ``hands``: up to which [N m] and [rad/s]; ``chance``: of a guest's message at a tick, which
+    comes ``twice``; ``wild``: with faults; ``exact``: wishes [N m], one after the other, in
+    place of drawn ones; ``against``: the hand's torque [N m] all the time.
     """
 
     name: str
@@ -51,6 +56,8 @@ class Story:
     hands: float = 6.0
     wild: bool = False
     guests: int = 0
+    chance: float = 0.3
+    twice: bool = False
     exact: tuple[float, ...] = ()
     against: float | None = None
 
@@ -76,10 +83,10 @@ class Story:
             messages = [
                 (f"guest {g}", *self._wish(random))
                 for g in range(self.guests)
-                if random.random() < 0.3 and not (quiet and g == 0)
+                if random.random() < self.chance and not (quiet and g == 0)
             ]
             speed = self.speeds[tick * len(self.speeds) // self.ticks]
-            yield wheel, bar, speed, list(wishes), messages
+            yield wheel, bar, speed, list(wishes), messages * (2 if self.twice else 1)
 
     def _wish(self, random: np.random.Generator) -> list[float]:
         torque = float(random.choice([random.uniform(-4.0, 4.0), random.uniform(-28.0, 28.0)]))
@@ -99,6 +106,21 @@ STORIES = (
     Story("faults of a guest", QUICK, (), (), 14, wild=True, hands=0.8, guests=2),
     Story("delays", QUICK, (5, 3), (4, 20), 5, hands=0.2),
     Story("guests", QUICK, (2,), (3,), 6, guests=2, hands=0.2),
+    Story("quick guests", QUICK | RHYTHM, (), (), 18, guests=2, hands=0.2, ticks=400),
+    Story("slow guests", QUICK | RHYTHM, (1,), (), 19, guests=3, hands=0.2, ticks=600, chance=0.08),
+    Story("rare guests", QUICK | RHYTHM, (), (), 20, guests=2, hands=0.2, ticks=600, chance=0.03),
+    Story(
+        "guests that say all twice",
+        QUICK | RHYTHM,
+        (),
+        (),
+        21,
+        guests=2,
+        hands=0.2,
+        ticks=400,
+        chance=0.08,
+        twice=True,
+    ),
     Story("pressure", QUICK | {"overlay.maximum_pressure": 3e5}, (1,), (), 7, hands=0.3),
     Story(
         "slow and fast",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -29,6 +30,7 @@ class Source:
     taken: int | None = None
     silent: bool = False
     refused: bool = False
+    came: list[int] = field(default_factory=list)
 
 
 @dataclass
@@ -55,9 +57,19 @@ class SecondArbiter:
         """A guest's message; of those before one tick the last counts."""
         if name not in self.guests:
             self.guests[name] = len(self.sources)
-            self.sources.append(Source(self.p["stale_periods"] * self.p["guest_period"] / DT))
+            self.sources.append(Source(0.0))
         row = self.guests[name]
+        self._time(self.sources[row], tick)
         self.mail[row] = (tick, torque, priority)
+
+    def _time(self, source: Source, tick: int) -> None:
+        """Three of the guest's periods: the median of its last five waits, in the bounds."""
+        if tick not in source.came:
+            source.came.append(tick)
+        waits = np.diff(source.came)[-5:].tolist() or [0.0]
+        bounds = self.p["guest_period"] / DT, self.p["longest_guest_period"] / DT
+        period = float(np.clip(statistics.median_low(waits), *bounds))
+        source.longest = self.p["stale_periods"] * period
 
     def step(
         self, tick: int, angle: float, wheel: float, bar: float, speed: float, *asked: float

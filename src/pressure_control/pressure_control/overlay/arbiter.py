@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pressure_control.overlay.guests import Rhythm
 from pressure_control.overlay.hands import hand_torque, left_authority
 from pressure_control.overlay.lateral import lateral_fields, lateral_gain
 from pressure_control.overlay.limits import (
@@ -122,12 +123,13 @@ class OverlayArbiter:
         self.state[[AUTHORITY, FADED]] = 1.0
         self.bounds = np.zeros(5)
         self.out = np.zeros(OUTPUTS)
-        stale = parameters["overlay.stale_periods"]
-        self.longest = self.periods * stale
-        self.guest_longest = stale * parameters["overlay.guest_period"] * TICKS_PER_SECOND
+        self.stale_periods = parameters["overlay.stale_periods"]
+        self.longest = self.periods * self.stale_periods
+        self.guest_periods = guest_periods(parameters)
         self.kept = _unheard(len(self.periods))
         self.requests = np.zeros((len(self.periods), 3))
         self.guests: dict[str, int] = {}
+        self.rhythms: list[Rhythm] = []
 
     def step(self, tick: int, *inputs: float) -> np.ndarray:
         """Return ``out`` for one tick.
@@ -163,9 +165,14 @@ class OverlayArbiter:
             self.guests[name] = len(self.requests)
             self.kept = np.vstack([self.kept, _unheard(1)])
             self.requests = np.vstack([self.requests, np.zeros((1, 3))])
-            self.longest = np.append(self.longest, self.guest_longest)
+            self.longest = np.append(self.longest, 0.0)
+            self.rhythms.append(Rhythm(*self.guest_periods))
+        row = self.guests[name]
+        rhythm = self.rhythms[row - len(self.periods)]
+        rhythm.hear(tick)
+        self.longest[row] = self.stale_periods * rhythm.period
         # of two messages within one tick the later one counts
-        self.requests[self.guests[name]] = torque, priority, tick
+        self.requests[row] = torque, priority, tick
 
 
 def overlay_record(parameters: ParameterSet) -> np.ndarray:
@@ -191,6 +198,17 @@ def overlay_record(parameters: ParameterSet) -> np.ndarray:
         "fade_step": TICK_PERIOD / values["fade_time"],
     }
     return record(values)
+
+
+def guest_periods(parameters: ParameterSet) -> tuple[float, float]:
+    """Return the shortest and longest period [ticks] that a guest is believed to have."""
+    shortest = parameters["overlay.guest_period"] * TICKS_PER_SECOND
+    longest = parameters["overlay.longest_guest_period"] * TICKS_PER_SECOND
+    if longest < shortest:
+        raise ParameterError(
+            "overlay.longest_guest_period must not be less than overlay.guest_period"
+        )
+    return shortest, longest
 
 
 def _unheard(count: int) -> np.ndarray:

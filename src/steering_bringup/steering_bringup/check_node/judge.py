@@ -126,7 +126,7 @@ def _service_faults(fault: Fault, record: Record, rows: np.ndarray, before: slic
     if stale > 0.05:
         gap = float(np.median(np.diff(ticks))) if len(ticks) > 2 else math.nan
         text = f"silent {stale:.0%} of the time: its messages come every {gap:.0f} ms, the arbiter "
-        return [text + "waits 30 ms; ask 100 times a second"]
+        return [text + "waits three of its usual periods; ask steadily, 100 times a second"]
     if not rows[-100:, SOURCE].any():
         return ["it was not served again after the fault: it must recover by itself"]
     return []

@@ -1,0 +1,127 @@
+"""Guests of plain rclpy at 1 Hz and 10 Hz steer; a stopped listener costs the run little."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import lockstep_dummies as dummies
+import numpy as np
+import pytest
+from bench_process import Bench, children
+
+from steering_bringup.bags import read_bag
+from steering_lockstep.domain import claim_domain
+from steering_lockstep.middleware import ros_environment
+from steering_lockstep.processes import Zygote, run_graph
+
+pytest.importorskip("rclpy")
+pytest.importorskip("steering_msgs.msg")
+pytestmark = pytest.mark.ros
+
+SUPPORT = Path(__file__).parents[1] / "support"
+
+
+def test_guests_at_1_and_10_hz_steer_and_are_faded_out_after_three_periods(tmp_path):
+    claim = claim_domain()
+    domain = str(claim.number)
+    claim.release()
+    environment = {**os.environ, **ros_environment(os.environ), "ROS_DOMAIN_ID": domain}
+    words = ("--node-set", "closed_centre_overlay", "--real-time", "--duration", "9")
+    bench = Bench(
+        "run", "lane_keeping", *words, "--domain", domain, "--out", "out", folder=tmp_path
+    )
+    program = [sys.executable, str(SUPPORT / "beating_guest.py")]
+    fast = [*program, "ten_hertz", "10", "2.0", "2.0", "15"]
+    slow = [*program, "one_hertz", "1", "-1.0", "1.0", "30"]
+    guests = [subprocess.Popen(words, env=environment) for words in (fast, slow)]
+    try:
+        status, _, err = bench.finish()
+    finally:
+        for guest in guests:
+            guest.kill()
+            guest.wait()
+    assert status == 0, err
+    applied = read_bag(tmp_path / "out" / "closed_centre_overlay")["/torque_overlay/applied"]
+    served = applied["source"].astype(int)
+    ten, one = (int(applied["source"][applied["asked"] == torque][0]) for torque in (2.0, -1.0))
+    while_ten = np.flatnonzero(served == ten)
+    # Its first message counts for 30 ms; from the second on there is no break until it ends.
+    breaks = while_ten[1:][np.diff(while_ten) > 1]
+    assert len(breaks) <= 2
+    assert applied["applied"].max() == 2.0
+    after = served[while_ten[-1] + 1 :]
+    assert len(after) > 2000
+    assert np.all(after[-2000:] == one)
+    assert applied["applied"][-1] == -1.0
+
+
+LISTENER = """
+import sys, time, rclpy
+from rclpy.node import Node
+from steering_msgs.msg import *
+rclpy.init()
+node = Node("listener")
+for word in sys.argv[1:]:
+    name, kind = word.split("=")
+    node.create_subscription(globals()[kind], name, print, 10)
+print("ready", flush=True)
+time.sleep(60)
+"""
+TOPICS = {
+    "/steering/torque": "SteeringTorque",
+    "/steering/rack": "RackState",
+    "/steering/pressure": "ChamberPressure",
+    "/driver/torque": "DriverTorque",
+}
+
+
+def wake_ups(pid):
+    """Return how often the middleware's thread for timed events has woken in a process."""
+    found = 0
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        if (task / "comm").read_text().startswith("dds.ev"):
+            status = dict(line.split(":", 1) for line in (task / "status").read_text().splitlines())
+            found += int(status["voluntary_ctxt_switches"])
+    return found
+
+
+def test_a_stopped_reliable_listener_does_not_keep_the_middleware_busy():
+    """By default its events thread wakes for every message that such a listener has not taken."""
+    claim = claim_domain()
+    environment = {**os.environ, **ros_environment(os.environ)}
+    environment["ROS_DOMAIN_ID"] = str(claim.number)
+    words = [f"{name}={kind}" for name, kind in TOPICS.items()]
+    program = [sys.executable, "-c", LISTENER, *words]
+    listener = subprocess.Popen(program, env=environment, stdout=subprocess.PIPE)
+    seen = []
+    with Zygote([dummies.HERE]) as zygote:
+
+        def look(progress):
+            if progress.phase == "running":
+                os.kill(listener.pid, signal.SIGSTOP)
+                (worker,) = children(zygote._process.pid)
+                seen.append((progress.tick, wake_ups(worker)))
+
+        try:
+            assert listener.stdout.readline() == b"ready\n"
+            result = run_graph(
+                dummies.graph(),
+                6000,
+                domain=claim,
+                zygote=zygote,
+                wait_for=tuple(TOPICS),
+                on_progress=look,
+            )
+        finally:
+            listener.kill()
+            listener.wait()
+            listener.stdout.close()
+            claim.release()
+    assert result.ok, result.error
+    assert not sum(result.lost.values())
+    (first, before), (last, after) = seen[0], seen[-1]
+    assert last - first > 2000
+    # 12 a tick before the writers' events were spared, some 1 now, less on a faster machine
+    assert after - before < 5 * (last - first)
