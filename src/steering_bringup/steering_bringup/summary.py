@@ -62,6 +62,10 @@ def _rig(rig: dict[str, Any]) -> list[str]:
     }
     counts = [f"{rig[name]} {text}" for name, text in names.items()]
     shown += [f"  counts       {', '.join(counts[:4])}", f"               {', '.join(counts[4:])}"]
+    whys = ("foreign", "replayed", "reordered", "stale", "after_hold")
+    refused = [f"{n} {why.replace('_', ' ')}" for why in whys if (n := rig.get(f"{why}_packets"))]
+    if refused:
+        shown.append(f"  refused      {', '.join(refused)} (docs/rig.md, Who may move the rig)")
     if rig.get("link_problem"):
         shown.append(f"  link         {rig['link_problem']}")
     if rig.get("clock_drift") is not None:
