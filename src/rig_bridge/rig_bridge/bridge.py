@@ -111,6 +111,7 @@ class Bridge:
         frames = self.guard.measurements.frames
         counts = {"repeated_frames": frames.repeated, "late_frames": frames.late}
         counts["lost_frames"] = frames.lost
+        counts["bridged_samples"] = sum(w.bridged for w in self.guard.measurements.channels)
         reasons = {"fault": None if self.guard.fault is None else str(self.guard.fault)}
         link = {"bad_packets": self.link.bad, "link_problem": self.link.problem}
         if self.link.peer is not None:
