@@ -46,13 +46,14 @@ def ticks_to_fault(channel, pattern, amount, phase, limit=1000):
     low, high = RIG.channels[channel].range
     level, count = 0.5 * (low + high), 2.0 * RIG.channels[channel].scale
     noise = cycle((0.0, count, -count, 2.0 * count))
-    begun = None
+    begun: int | None = None
     for tick, bad in enumerate(islice(cycle(pattern), phase, phase + limit)):
         value = level + next(noise) + (wrong_by(channel, amount) if bad and tick > 3 else 0.0)
         if begun is None and bad and tick > 3:
             begun = tick
         fault = seen.see(value)
         if fault is not None:
+            assert begun is not None
             return tick - begun + 1, fault
     raise AssertionError(f"no fault in {limit} ticks")
 
@@ -113,7 +114,9 @@ def test_the_budget_of_a_channel_s_own_row_counts():
     row = RIG.channels["rack_force"].model_copy(update={"bridged_samples": 0})
     seen = ChannelWatch("rack_force", row, WATCHING.model_copy(update={"confirm_ticks": 1}))
     seen.see(0.0)
-    assert seen.see(math.nan).kind is Kind.NOT_FINITE
+    fault = seen.see(math.nan)
+    assert fault is not None
+    assert fault.kind is Kind.NOT_FINITE
     patient = RIG.channels["rack_force"].model_copy(update={"bridged_samples": 50})
     seen = ChannelWatch("rack_force", patient, WATCHING)
     faults = [seen.see(math.nan if k % 2 else 0.1 * k) for k in range(102)]
