@@ -33,7 +33,7 @@ from rig_bridge.emulated import emulated
 from rig_bridge.rig_file import load_rig
 from rig_bridge.session import Session
 from rig_bridge.shipped import find_rig
-from rig_bridge.transport.registry import open_link
+from rig_bridge.transport.registry import trusted_link
 from steering_bringup.benchmarking.program import Measured, main
 from steering_bringup.errors import BenchError
 from steering_lockstep.signals import PLACES
@@ -72,7 +72,7 @@ def bare(path: Path, link: str, seconds: float) -> dict[str, Any]:
     rest = [_rest(name) for name in rig.commanded]
     columns = [PLACES[name] for name in rig.commanded]
     with emulated(path, rig, link, PRIORITY) as (settings, _):
-        session = Session(rig, columns, lambda: open_link(link, rig, path.parent, settings))
+        session = Session(rig, columns, lambda: trusted_link(link, rig, path.parent, settings))
         hurry(["rig_bridge"])
         session.open()
         ticks, wanted, until = 0, round(seconds * 1000), time.monotonic() + seconds + 30.0

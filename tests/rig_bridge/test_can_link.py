@@ -64,9 +64,11 @@ def test_a_bus_that_goes_is_noticed():
 class Talkative(CanHub):
     """Sends a frame right behind its answer to a client that opens the bus."""
 
-    def _answer(self, client, word):
-        self.on_bus.add(client)
-        self._write(client, b"< ok >< frame 123 1.000000 00 >" if word == "rawmode" else b"< ok >")
+    def _answer(self, client, words):
+        super()._answer(client, words)
+        client.on_bus = True
+        if words[0] == "rawmode":
+            self._write(client, b"< frame 123 1.000000 00 >")
 
 
 def test_a_bus_may_be_busy_as_it_is_opened():

@@ -123,10 +123,10 @@ CAN = {"interface": "socketcan", "channel": "can0"}
 
 def test_one_classic_bus_is_not_enough_for_the_shipped_table(tmp_path):
     rig = rig_of(tmp_path, {**CAN, "bitrate": 1_000_000})
-    with pytest.raises(BenchError, match=r"can0: 9 messages .* up to 121\.5 % of 1 Mbit/s"):
+    with pytest.raises(BenchError, match=r"can0: 11 messages .* up to 148\.5 % of 1 Mbit/s"):
         check_link("can", rig, tmp_path)
     long = rig_of(tmp_path, {**CAN, "bitrate": 1_000_000}, extended(DBC, ALL))
-    with pytest.raises(BenchError, match=r"up to 144\.0 %"):
+    with pytest.raises(BenchError, match=r"up to 171\.0 %"):
         check_link("can", long, tmp_path)
 
 
@@ -134,12 +134,12 @@ def test_two_buses_are(tmp_path):
     up = {**CAN, "bitrate": 1_000_000}
     down = {**CAN, "channel": "can1", "bitrate": 1_000_000, "messages": commands()}
     notes = check_link("can", rig_of(tmp_path, [up, down]), tmp_path)
-    assert "can0: the rig takes up to 54.0 % of 1 Mbit/s, 46.0 % remain" in notes[0]
-    assert "can1: the rig takes up to 67.5 % of 1 Mbit/s, 32.5 % remain" in notes[1]
+    assert "can0: the rig takes up to 67.5 % of 1 Mbit/s, 32.5 % remain" in notes[0]
+    assert "can1: the rig takes up to 81.0 % of 1 Mbit/s, 19.0 % remain" in notes[1]
 
 
 def commands():
-    return ["Demand", "LeftValve", "RightValve", "Load", "BenchStatus"]
+    return ["Demand", "LeftValve", "RightValve", "Load", "BenchStatus", "BenchTag", "BenchMeet"]
 
 
 def test_can_fd_is(tmp_path):
@@ -147,11 +147,12 @@ def test_can_fd_is(tmp_path):
     (note,) = check_link("can", rig_of(tmp_path, bus, fd_dbc()), tmp_path)
     assert "of 0.5 and 5 Mbit/s" in note
     slow = {**bus, "data_bitrate": 500_000}
-    with pytest.raises(BenchError, match=r"can0: 4 messages"):
+    with pytest.raises(BenchError, match=r"can0: 6 messages"):
         check_link("can", rig_of(tmp_path, slow, fd_dbc()), tmp_path)
 
 
 def test_a_rate_that_nobody_told_is_said_of_hardware(tmp_path):
-    hardware = rig_of(tmp_path, CAN).model_copy(update={"emulator": None})
-    (note,) = check_link("can", hardware, tmp_path)
+    bare = {"emulator": None, "authentication": "none"}
+    note, unprotected = check_link("can", rig_of(tmp_path, CAN).model_copy(update=bare), tmp_path)
+    assert "whoever reaches its link can move the rig" in unprotected
     assert "load is not known, as links.can gives no bitrate" in note

@@ -16,7 +16,7 @@ from rig_loop import HOLD
 
 from rig_bridge.bridge import Bridge
 from rig_bridge.safety.machine import State
-from rig_bridge.transport.registry import TRANSPORTS, open_link
+from rig_bridge.transport.registry import TRANSPORTS, trusted_link
 
 BUSY = {"stale_ticks": 1000, "bad_frames": 1e6, "clock_offset_s": 60.0}
 
@@ -41,7 +41,7 @@ def emulator(tmp_path, kind, settings, *more):
 def test_in_wall_time(tmp_path, kind):
     table = emulated_rig(**BUSY, check_ticks=50, check_timeout_ticks=100_000)
     with link_settings(kind) as settings:
-        link = open_link(kind, table, EMULATED.parent, settings)
+        link = trusted_link(kind, table, EMULATED.parent, settings)
         process = emulator(tmp_path, kind, settings)
         try:
             bridge = Bridge(table, link)

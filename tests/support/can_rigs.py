@@ -42,9 +42,12 @@ def fd_dbc() -> str:
         for index, channel in enumerate(channels):
             text += f' SG_ {channel} : {7 + 32 * index}|32@0- (1,0) [0|0] "" Bench\n'
         text += ' SG_ Counter : 320|8@1+ (1,0) [0|0] "" Bench\n'
-    for message in ("BO_ 259 RigStatus", "BO_ 516 BenchStatus"):
-        block = DBC[DBC.index(message) :].split("\n\n")[0]
-        text += "\n" + block.replace(": 60|4@", ": 56|8@") + "\n"
+    for message in (
+        *("BO_ 259 RigStatus", "BO_ 260 RigMeet", "BO_ 261 RigTag"),
+        *("BO_ 516 BenchStatus", "BO_ 517 BenchMeet", "BO_ 518 BenchTag"),
+    ):
+        block = DBC[DBC.index(message) :].split("\n\n")[0].rstrip()
+        text += "\n" + block.replace(": 60|4@", ": 56|8@").replace("16|44@", "16|40@") + "\n"
     return text
 
 

@@ -26,6 +26,7 @@ MODULES = (
     "overlay.guests",
     "overlay.hands",
     "overlay.sources",
+    "overlay.places",
     "overlay.split",
     "overlay.arbiter",
 )
@@ -39,7 +40,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
     ("overlay.lateral", "lateral_gain + 7: edge of LtE"): SAME_VALUE,
     ("overlay.split", "overlaid + 7: edge of Gt"): SAME_VALUE,
     ("overlay.hands", "left_authority + 7: edge of Gt"): "the next lines set it for 0",
-    ("overlay.arbiter", "hear_guest + 6: 0.0 to 1.0"): "it is set before it is read",
+    ("overlay.arbiter", "_seat + 6: 0.0 to 1.0"): "it is set before it is read",
     ("overlay.arbiter", "_unheard + 2: 1.0 to 2.0"): "any negative number means: not yet",
 }
 """(file, what is broken): why nobody can tell."""

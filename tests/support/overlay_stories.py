@@ -42,8 +42,8 @@ class Story:
     """A run with wishes, hands and speeds drawn from ``seed``.
 
     ``hands``: up to which [N m] and [rad/s]; ``chance``: of a guest's message at a tick, which
-    comes ``twice``; ``wild``: with faults; ``exact``: wishes [N m], one after the other, in
-    place of drawn ones; ``against``: the hand's torque [N m] all the time.
+    comes ``twice``, of one of ``ranks``; ``wild``: with faults; ``exact``: wishes [N m], one after
+    the other, in place of drawn ones; ``against``: the hand's torque [N m] all the time.
     """
 
     name: str
@@ -58,6 +58,7 @@ class Story:
     guests: int = 0
     chance: float = 0.3
     twice: bool = False
+    ranks: tuple[float, ...] = (-1.0, 0.0, 1.0, 1.0, 2.0)
     exact: tuple[float, ...] = ()
     against: float | None = None
 
@@ -90,7 +91,7 @@ class Story:
 
     def _wish(self, random: np.random.Generator) -> list[float]:
         torque = float(random.choice([random.uniform(-4.0, 4.0), random.uniform(-28.0, 28.0)]))
-        rank = float(random.choice([-1.0, 0.0, 1.0, 1.0, 2.0]))
+        rank = float(random.choice(self.ranks))
         if self.wild and random.random() < 0.5:
             torque = float(random.choice([math.nan, math.inf, 30.0, -30.0, 30.1, -30.1, torque]))
         if self.wild and random.random() < 0.3:
@@ -120,6 +121,33 @@ STORIES = (
         ticks=400,
         chance=0.08,
         twice=True,
+    ),
+    Story("a crowd", QUICK | RHYTHM, (1,), (), 22, guests=70, hands=0.2, ticks=60, chance=0.6),
+    Story(
+        "a crowd that comes and goes",
+        QUICK | RHYTHM,
+        (),
+        (),
+        23,
+        guests=160,
+        hands=0.2,
+        ticks=150,
+        chance=0.06,
+    ),
+    Story(
+        "a crowd of faults", QUICK | RHYTHM, (), (), 24, guests=80, wild=True, ticks=60, chance=0.5
+    ),
+    Story(
+        "a crowd of equals",
+        QUICK | RHYTHM,
+        (),
+        (),
+        25,
+        guests=80,
+        hands=0.2,
+        ticks=60,
+        chance=0.8,
+        ranks=(*[1.0] * 300, 2.0),
     ),
     Story("pressure", QUICK | {"overlay.maximum_pressure": 3e5}, (1,), (), 7, hands=0.3),
     Story(

@@ -44,16 +44,28 @@ def link_settings(kind: str, hub: CanHub | None = None) -> Iterator[dict[str, An
 
 @contextmanager
 def both_ends(
-    kind: str, rig: RigFile = RIG, hub: CanHub | None = None
+    kind: str, rig: RigFile = RIG, hub: CanHub | None = None, key: bytes | None = None
 ) -> Iterator[tuple[Any, Any]]:
-    """Give the bench's and the rig's end."""
+    """Give the bench's and the rig's end; with a key they have yet to meet."""
     with link_settings(kind, hub) as settings:
-        bench = open_link(kind, rig, EMULATED.parent, settings)
+        bench = open_link(kind, rig, EMULATED.parent, settings, key=key)
         try:
-            far = open_link(kind, rig, EMULATED.parent, settings, rig_end=True)
+            far = open_link(kind, rig, EMULATED.parent, settings, rig_end=True, key=key)
             try:
                 yield bench, far
             finally:
                 far.close()
         finally:
             bench.close()
+
+
+def meet(bench: Any, far: Any, tries: int = 20) -> None:
+    """Let both ends meet: question, answer, the bench's first packet, the rig's first."""
+    for _ in range(tries):
+        bench.send_demand(DEMAND._replace(order=Order.ARM))
+        far.receive_demands(0.1)
+        bench.receive_frames(0.02)
+        far.send_frame(FRAME)
+        if bench.receive_frames(0.1) and not bench.peer.meeting:
+            return
+    raise AssertionError(bench.unheard())

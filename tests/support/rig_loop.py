@@ -56,6 +56,7 @@ class Loop:
     table: RigFile = field(default_factory=emulated_rig)
     settings: EmulatorSettings = SETTINGS
     now_ns: int = 0
+    wait_s: float = WAIT_S
 
     def __post_init__(self) -> None:
         self.bridge = Bridge(self.table, self.bench_end, lambda: self.now_ns)
@@ -77,9 +78,9 @@ class Loop:
         for frame in sent:
             self.rig_end.send_frame(frame)
         self.now_ns += PERIOD_NS
-        self.bridge.receive(WAIT_S if sent else 0.0)
+        self.bridge.receive(self.wait_s if sent else 0.0)
         reply = self.bridge.answer(asked, reset=reset)
-        demands = self.rig_end.receive_demands(WAIT_S)
+        demands = self.rig_end.receive_demands(self.wait_s)
         self.rig.step(demands if answers else [])
         return reply
 

@@ -13,6 +13,7 @@ from steering_core.parameters import ParameterSet
 
 DT = 1e-3
 MOST_RANK = 1e6
+PLACES = 64
 MOST_FELT = 100.0
 FASTEST_CAR = 200.0
 CREEPING = 1e-3
@@ -55,12 +56,48 @@ class SecondArbiter:
 
     def hear_guest(self, name: str, tick: int, torque: float, priority: float) -> None:
         """A guest's message; of those before one tick the last counts."""
-        if name not in self.guests:
-            self.guests[name] = len(self.sources)
-            self.sources.append(Source(0.0))
+        if name not in self.guests and not self._seat(name, torque, priority):
+            return
         row = self.guests[name]
         self._time(self.sources[row], tick)
         self.mail[row] = (tick, torque, priority)
+
+    def _seat(self, name: str, torque: float, priority: float) -> bool:
+        """64 places; a silent guest's goes first, then the least one's to a greater priority."""
+        if len(self.guests) < PLACES:
+            self.guests[name] = len(self.sources)
+            self.sources.append(Source(0.0))
+            return True
+        gone = [
+            (self.mail[row][0], row, old)
+            for old, row in self.guests.items()
+            if self.sources[row].silent or (self.sources[row].refused and not self._heard(row))
+        ]
+        if gone:
+            _, row, old = min(gone)
+        elif self._is_wish(torque, priority):
+            others = [
+                (-math.inf if math.isnan(rank := self.mail[row][2]) else rank, row, old)
+                for old, row in self.guests.items()
+                if row != self.turn
+            ]
+            least, row, old = min(others)
+            if least >= priority:
+                return False
+        else:
+            return False
+        del self.guests[old]
+        self.guests[name] = row
+        self.sources[row] = Source(0.0)
+        self.mail.pop(row)
+        return True
+
+    def _heard(self, row: int) -> bool:
+        return self.sources[row].heard is not None
+
+    def _is_wish(self, torque: float, rank: float) -> bool:
+        wrong = math.isnan(torque) or math.isnan(rank)
+        return not (wrong or abs(torque) > self.p["out_of_range"] or abs(rank) > MOST_RANK)
 
     def _time(self, source: Source, tick: int) -> None:
         """Three of the guest's periods: the median of its last five waits, in the bounds."""
@@ -102,8 +139,7 @@ class SecondArbiter:
             return
         sent, torque, rank = self.mail[number]
         source.taken = sent
-        wrong = math.isnan(torque) or math.isnan(rank)
-        source.refused = wrong or abs(torque) > self.p["out_of_range"] or abs(rank) > MOST_RANK
+        source.refused = not self._is_wish(torque, rank)
         if source.refused:
             self.counts[0] += 1
         else:

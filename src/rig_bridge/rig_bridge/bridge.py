@@ -86,6 +86,7 @@ class Bridge:
         reply = self.guard.command(asked, asked_age=age, late=late, reset=reset)
         if was is State.SAFE and reply.state is State.CHECKING:
             self.offset.reset()
+            self.link.meet()  # the rig obeys nothing more in a session that was told to hold
         self._send(ORDERS[reply.state], reply.commands)
         if asked_age > 0:
             self.held += reply.fresh
@@ -110,8 +111,11 @@ class Bridge:
         frames = self.guard.measurements.frames
         counts = {"repeated_frames": frames.repeated, "late_frames": frames.late}
         counts["lost_frames"] = frames.lost
+        counts["bridged_samples"] = sum(w.bridged for w in self.guard.measurements.channels)
         reasons = {"fault": None if self.guard.fault is None else str(self.guard.fault)}
         link = {"bad_packets": self.link.bad, "link_problem": self.link.problem}
+        if self.link.peer is not None:
+            link |= {f"{why}_packets": count for why, count in self.link.peer.counts.items()}
         limited = {"limited_commands": self.guard.commands.limited, "held": self.held}
         return {**self.latency.report(), **counts, **link, **limited, **reasons}
 

@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 
 from rig_bridge.rig_file import load_rig
 from rig_bridge.session import Session
-from rig_bridge.transport.registry import open_link
+from rig_bridge.transport.registry import trusted_link
 from steering_lockstep.core_parameters import check_own
 from steering_lockstep.free_clock import FreeClock
 from steering_lockstep.graph import NodeSpec
@@ -69,7 +69,7 @@ def build_session(spec: NodeSpec, values: Mapping[str, Any]) -> Session:
     columns = [(name, part) for name in spec.inputs for part in wire(name).fields]
 
     def connect() -> Any:
-        return open_link(kind, rig, path.parent, settings)
+        return trusted_link(kind, rig, path.parent, settings)
 
     return Session(rig, columns, connect, values.get("on_fault", "end"))
 

@@ -44,6 +44,14 @@ class Channel(Strict):
     sign: Literal[-1, 1] = Field(1, description="-1 where the rig counts the other way")
     range: Interval = Field(description="lowest and highest value that may be")
     rate: Positive = Field(description="fastest change, SI unit per second, noise included")
+    jump: Positive | None = Field(
+        None,
+        description="measured: change in a tick that counts as a bad sample where it is taken back "
+        "within 8 ticks, SI unit; default: a quarter of what rate allows in a tick",
+    )
+    bridged_samples: Annotated[int, Field(strict=True, ge=0, le=1000)] | None = Field(
+        None, description="measured: in place of watching.bridged_samples"
+    )
     plausible: Interval | None = Field(
         None, description="measured: range before pressure is raised"
     )
@@ -70,7 +78,7 @@ class Channel(Strict):
         return self
 
     def _check_commanded(self) -> None:
-        for name in ("plausible", "frozen_ticks"):
+        for name in ("plausible", "frozen_ticks", "jump", "bridged_samples"):
             if name in self.model_fields_set:
                 raise fault(name, f"{name} is for measured channels only")
         if not self.range[0] <= self.safe <= self.range[1]:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import ipaddress
 import json
 import socket
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 from rig_bridge.helpers import Helper, helper
 from rig_bridge.rig_file import RigFile
 from rig_bridge.transport.settings import address
+from rig_bridge.trust.policy import is_loopback
 from steering_core.errors import BenchError
 from steering_lockstep.urgency import hasten
 
@@ -112,9 +112,8 @@ def _place(endpoint: str) -> str:
 
 
 def _check_loopback(host: str) -> None:
-    with suppress(ValueError):
-        if host == "localhost" or ipaddress.ip_address(host).is_loopback:
-            return
+    if is_loopback(host):
+        return
     raise BenchError(
         f"an emulated rig stays on this machine, but its link leads to '{host}': name 127.0.0.1, "
         "or leave out 'emulator' in the rig's file if it is hardware"

@@ -24,6 +24,8 @@ def end_with_input() -> None:
     """Send this process a SIGTERM when its standard input is closed, as by the owner's death."""
 
     def watch() -> None:
+        # Signals are the main thread's, which can then hold them off while it closes.
+        signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
         # Not through sys.stdin: its lock, held here, would abort the process at its end.
         while os.read(STDIN, CHUNK):
             pass

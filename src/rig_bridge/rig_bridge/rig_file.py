@@ -34,6 +34,14 @@ class RigFile(Strict):
     dbc: str | None = Field(None, description="DBC file of the CAN link, beside this file")
     link: Literal["udp", "can"] = Field("udp", description="link that is used unless told other")
     links: Links = Field({}, validate_default=True, description="where the rig is on each link")
+    authentication: Literal["key", "none"] = Field(
+        "key", description="'none': the rig checks no key, and whoever reaches its link can move it"
+    )
+    key: str | None = Field(
+        None,
+        description="file of the key, beside this one (steer rig-key); an emulated rig has one of "
+        "its own where none is named",
+    )
     emulator: str | None = Field(
         None,
         description="file of the emulated rig, beside this one: a run starts it on this machine; "
@@ -55,6 +63,8 @@ class RigFile(Strict):
         check_keys("signal", self.channels, UNITS)
         for name, channel in self.channels.items():
             _check_channel(name, channel)
+        if self.authentication == "none" and self.key is not None:
+            raise fault("key", "a key is named, but authentication is none: leave one out")
         absent = [name for name in MEASURED if name not in self.channels]
         if absent:
             raise fault("channels", f"channel '{absent[0]}' is missing: the bench needs it")

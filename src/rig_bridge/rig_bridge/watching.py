@@ -19,6 +19,11 @@ class Watching(Strict):
     stale_ticks: Few = Field(4, description="ticks without new measurements that are a fault")
     command_stale_ticks: Few = Field(4, description="ticks without new commands that are a fault")
     confirm_ticks: Few = Field(2, description="bad samples of a channel in a row that are a fault")
+    bridged_samples: Few = Field(
+        2,
+        description="bad samples of a channel that are bridged in the window; one more is a fault",
+    )
+    bridged_window_ticks: Ticks = Field(1000, description="ticks of that window")
     bad_frames: Positive = Field(3.0, description="repeated, late and lost frames that are a fault")
     bad_frames_drain: Positive = Field(0.2, description="of them forgotten in a tick")
     clock_step_s: Positive = Field(2e-4, description="s, jump of the rig's clock")

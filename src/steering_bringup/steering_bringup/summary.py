@@ -61,7 +61,13 @@ def _rig(rig: dict[str, Any]) -> list[str]:
         "limited_commands": "commands limited",
     }
     counts = [f"{rig[name]} {text}" for name, text in names.items()]
+    if rig.get("bridged_samples"):
+        counts.append(f"{rig['bridged_samples']} bad samples bridged")
     shown += [f"  counts       {', '.join(counts[:4])}", f"               {', '.join(counts[4:])}"]
+    whys = ("foreign", "replayed", "reordered", "stale", "after_hold")
+    refused = [f"{n} {why.replace('_', ' ')}" for why in whys if (n := rig.get(f"{why}_packets"))]
+    if refused:
+        shown.append(f"  refused      {', '.join(refused)} (docs/rig.md, Who may move the rig)")
     if rig.get("link_problem"):
         shown.append(f"  link         {rig['link_problem']}")
     if rig.get("clock_drift") is not None:

@@ -6,6 +6,7 @@ share, limit the level, limit the step. Whatever comes in, what goes out keeps e
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,12 +21,14 @@ from pressure_control.overlay.limits import (
     note_limits,
     overlay_bounds,
 )
+from pressure_control.overlay.places import MOST_GUESTS, place_to_give
 from pressure_control.overlay.sources import (
     BAD,
     HEARD,
     SEEN,
     SILENT,
     TORQUE,
+    believable,
     falls_silent,
     hear,
     message_tick,
@@ -160,19 +163,43 @@ class OverlayArbiter:
         )
 
     def hear_guest(self, name: str, tick: int, torque: float, priority: float) -> None:
-        """Take a message of a source outside the lock step that came in before ``tick``."""
-        if name not in self.guests:
-            self.guests[name] = len(self.requests)
-            self.kept = np.vstack([self.kept, _unheard(1)])
-            self.requests = np.vstack([self.requests, np.zeros((1, 3))])
-            self.longest = np.append(self.longest, 0.0)
-            self.rhythms.append(Rhythm(*self.guest_periods))
+        """Take a message of a source outside the lock step that came in before ``tick``.
+
+        There are ``MOST_GUESTS`` places. Where all are taken a new guest has that of one who has
+        fallen silent, else that of the one of least priority, if its own is greater; else it is
+        not heard.
+        """
+        if name not in self.guests and not self._seat(name, torque, priority):
+            return
         row = self.guests[name]
         rhythm = self.rhythms[row - len(self.periods)]
         rhythm.hear(tick)
         self.longest[row] = self.stale_periods * rhythm.period
         # of two messages within one tick the later one counts
         self.requests[row] = torque, priority, tick
+
+    def _seat(self, name: str, torque: float, priority: float) -> bool:
+        """Give a guest a place; return whether there is one."""
+        if len(self.guests) < MOST_GUESTS:
+            self.guests[name] = len(self.requests)
+            self.kept = np.vstack([self.kept, _unheard(1)])
+            self.requests = np.vstack([self.requests, np.zeros((1, 3))])
+            self.longest = np.append(self.longest, 0.0)
+            self.rhythms.append(Rhythm(*self.guest_periods))
+            return True
+        first = len(self.periods)
+        if not believable(float(self.par[0]["out_of_range"]), torque, priority):
+            priority = math.nan
+        served_now = int(self.state[SERVED]) - 1 - first
+        place = place_to_give(self.kept[first:], self.requests[first:], served_now, priority)
+        if place is None:
+            return False
+        row = first + place
+        # A place keeps its number, and the names stay in the order of the places.
+        self.guests = {name if at == row else guest: at for guest, at in self.guests.items()}
+        self.kept[row] = _unheard(1)[0]
+        self.rhythms[place] = Rhythm(*self.guest_periods)
+        return True
 
 
 def overlay_record(parameters: ParameterSet) -> np.ndarray:

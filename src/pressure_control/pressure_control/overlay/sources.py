@@ -23,6 +23,12 @@ LARGEST_PRIORITY = 1.0e6
 
 
 @kernel
+def believable(largest: float, torque: float, priority: float) -> bool:
+    """Return whether a message is a wish; largest [N m]: torque beyond which it is a fault."""
+    return abs(torque) <= largest and abs(priority) <= LARGEST_PRIORITY
+
+
+@kernel
 def message_tick(tick: int, delay: int, every: int) -> int:
     """Return the tick of the message that a member's input holds at ``tick``; -1: none yet."""
     if tick < delay:
@@ -37,7 +43,7 @@ def hear(p: Any, request: Any, kept: Any) -> int:
         return 0
     kept[SEEN] = request[MESSAGE_TICK]
     torque, priority = request[ASKED], request[PRIORITY]
-    believed = abs(torque) <= p.out_of_range and abs(priority) <= LARGEST_PRIORITY
+    believed = believable(p.out_of_range, torque, priority)
     kept[BAD] = 0.0 if believed else 1.0
     if not believed:
         return 1

@@ -16,7 +16,7 @@ from rig_bridge.emulator.stop import Stop
 from rig_bridge.helpers import end_with_input
 from rig_bridge.rig_file import RigFile, load_rig
 from rig_bridge.transport.link import Link
-from rig_bridge.transport.registry import TRANSPORTS, open_link
+from rig_bridge.transport.registry import TRANSPORTS, trusted_link
 from steering_core.errors import BenchError
 from steering_lockstep.urgency import hasten, without_pauses
 
@@ -90,7 +90,7 @@ def main() -> int:
         table: RigFile = load_rig(path)
         settings = load_settings(arguments.emulator)
         given = _settings(arguments)
-        link = open_link(arguments.link, table, path.parent, given, rig_end=True)
+        link = trusted_link(arguments.link, table, path.parent, given, rig_end=True)
         EmulatedRig(table, settings, link.sequence_bits).step([])  # compiles before the clock runs
     except BenchError as error:
         print(f"rig_emulator: {error}", file=sys.stderr)
@@ -107,6 +107,8 @@ def main() -> int:
         stop.ignore()
         link.close()
     end = {"ticks": rig.tick, "safe": rig.watchdog.latched, "bad_packets": link.bad}
+    if link.peer is not None:
+        end |= {f"{why}_packets": count for why, count in link.peer.counts.items()}
     print(json.dumps(end), flush=True)
     return 0
 

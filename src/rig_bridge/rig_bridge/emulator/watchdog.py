@@ -12,7 +12,7 @@ from rig_bridge.transport.packets import Demand, Order
 class RigWatchdog:
     """Obeys fresh commands within range while the order is to run; ``latched`` is its safe state.
 
-    Only the order to arm ends it. channels: the commanded ones, in the order of the values.
+    Only the order to arm ends it, and what follows an order to hold (``held``). channels: the commanded ones, in the order of the values.
     """
 
     def __init__(self, channels: Sequence[Channel], stale_ticks: int, sequence_bits: int) -> None:
@@ -21,6 +21,7 @@ class RigWatchdog:
         self.stale_ticks = stale_ticks
         self.modulus = 1 << sequence_bits
         self.latched = False
+        self.held = False
         self.silent = 0
         self.demand: Demand | None = None
 
@@ -30,12 +31,17 @@ class RigWatchdog:
         for demand in demands:
             if self._is_new(demand):
                 self.demand, self.silent = demand, 0
-                self.latched = self.latched and demand.order is not Order.ARM
+                self._follow(demand.order)
         if self.demand is None or self.demand.order is not Order.RUN:
             return None
         if self.silent >= self.stale_ticks or not self._is_within_range(self.demand.values):
             self.latched = True
-        return None if self.latched else self.demand.values
+        return None if self.latched or self.held else self.demand.values
+
+    def _follow(self, order: Order) -> None:
+        if order is Order.ARM:
+            self.latched = self.held = False
+        self.held = self.held or order is Order.HOLD
 
     def _is_new(self, demand: Demand) -> bool:
         if self.demand is None or self.silent > self.stale_ticks:

@@ -1,25 +1,36 @@
-"""Watches one measured channel: a number, within range, not too fast, not frozen."""
+"""Watches one measured channel: a number, within range, not too fast, not frozen, not spoilt."""
 
 from __future__ import annotations
 
 from math import isfinite
 
 from rig_bridge.channels import Channel
+from rig_bridge.safety.bad_samples import JumpWatch, SampleBudget
 from rig_bridge.safety.faults import Fault, Kind
 from rig_bridge.signals import PERIOD_S
+from rig_bridge.watching import Watching
+
+JUMP_SHARE = 0.25
+"""Of what ``rate`` allows in a tick; in all shipped manoeuvres nothing goes back by a fifth of it."""
 
 
 class ChannelWatch:
     """``good`` is the last value that may be used: a single bad sample is bridged, not passed on.
 
-    As many bad samples in a row as ``confirm_ticks`` are a fault. ``good`` is finite and within
-    the channel's range at any time.
+    As many bad samples in a row as ``confirm_ticks`` are a fault, and so are more than the budget
+    in a sliding window, in whatever pattern; samples that jump there and back count as well,
+    though they may be used. ``good`` is finite and within the channel's range at any time.
     """
 
-    def __init__(self, name: str, channel: Channel, confirm_ticks: int) -> None:
+    def __init__(self, name: str, channel: Channel, watching: Watching) -> None:
         self.name = name
         self.channel = channel
-        self.confirm_ticks = confirm_ticks
+        self.confirm_ticks = watching.confirm_ticks
+        own = channel.bridged_samples
+        most = watching.bridged_samples if own is None else own
+        self.budget = SampleBudget(max(most, self.confirm_ticks - 1), watching.bridged_window_ticks)
+        self.jumps = JumpWatch(channel.jump or JUMP_SHARE * channel.rate * PERIOD_S)
+        self.bridged = 0
         low, high = channel.range
         self.good = min(max(0.0, low), high)
         self.reset()
@@ -31,18 +42,25 @@ class ChannelWatch:
         self.bad = 0
         self.repetitions = 0
         self.changed = False
+        self.budget.reset()
+        self.jumps.reset()
 
     def see(self, value: float, steps: int = 1) -> Fault | None:
         """Take the value of a frame, ``steps`` ticks after the last; return a confirmed fault."""
         self._note_repetition(value)
         if self.since_good is not None:
             self.since_good += steps
+        self.budget.pass_ticks(steps)
         wrong = self._wrong(value)
         if wrong is None:
+            back = self.jumps.see(value, self.since_good or 0)
             self.good, self.since_good, self.bad = value, 0, 0
-            return self._frozen()
+            text = "" if back is None else f"{back:+g} {self.channel.unit} back and forth"
+            return self._frozen() or (self._count(text) if text else None)
         self.bad += 1
-        return wrong if self.bad >= self.confirm_ticks else None
+        self.bridged += 1
+        over = self._count(wrong.kind.value)
+        return wrong if self.bad >= self.confirm_ticks else over
 
     def is_plausible(self) -> bool:
         """Return whether the present value is one that a rig at rest shows."""
@@ -52,6 +70,14 @@ class ChannelWatch:
     def is_alive(self) -> bool:
         """Return whether the value has moved since the reset, where a sensor's noise moves it."""
         return self.changed or self.channel.frozen_ticks == 0
+
+    def _count(self, what: str) -> Fault | None:
+        """Take a bad sample; return the fault that one too many is."""
+        if not self.budget.count():
+            return None
+        budget = self.budget
+        text = f"{len(budget.at)} in {budget.since} ms, the last: {what}"
+        return Fault(Kind.BAD_SAMPLES, self.name, text)
 
     def _note_repetition(self, value: float) -> None:
         same = value == self.seen

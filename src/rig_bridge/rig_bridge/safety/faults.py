@@ -18,6 +18,7 @@ class Kind(StrEnum):
     RANGE = "out of range"
     RATE = "changes too fast"
     FROZEN = "frozen"
+    BAD_SAMPLES = "too many bad samples"
     DISAGREEMENT = "signals disagree"
     COMMAND_NOT_FINITE = "command is no number"
     COMMAND_STALE = "no new commands"

@@ -30,8 +30,8 @@ class Measurements:
     def __init__(self, rig: RigFile, sequence_bits: int) -> None:
         self.frames = FrameWatch(rig.watching, sequence_bits)
         self.clock = ClockWatch(rig.watching)
-        confirm = rig.watching.confirm_ticks
-        self.channels = [ChannelWatch(n, rig.channels[n], confirm) for n in rig.measured]
+        watching = rig.watching
+        self.channels = [ChannelWatch(n, rig.channels[n], watching) for n in rig.measured]
         self.relations = [RelationWatch(name, entry) for name, entry in rig.relations.items()]
         self.rates = [RateWatch(name, pair) for name, pair in rig.rates.items()]
         self.fresh = False

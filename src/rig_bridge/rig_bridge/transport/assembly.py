@@ -2,25 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
 
 from rig_bridge.transport.can_layout import Key, Slot
 from rig_bridge.transport.packets import OwnFrameError, PacketError
 
-Parts = dict[Key, Mapping[str, Any]]
+
+class Part(NamedTuple):
+    """A frame of a packet: its signals and its data as they came."""
+
+    signals: Mapping[str, Any]
+    data: bytes
+
+
+Parts = dict[Key, Part]
 
 
 class Assembly:
     """Collects the frames of each packet; incomplete ones older than a complete one are dropped.
 
-    slots: the messages of a packet. own: those that this end sends, which nobody else may.
+    slots: the messages of a packet. own: those that one end only sends, which are not taken here.
+    quick: how to read those frames that are not left to cantools.
     """
 
     def __init__(
-        self, slots: Mapping[Key, Slot], own: Mapping[Key, Slot], counter_bits: int
+        self,
+        slots: Mapping[Key, Slot],
+        own: Mapping[Key, Slot],
+        counter_bits: int,
+        quick: Mapping[Key, Callable[[bytes], Mapping[str, int]]] | None = None,
     ) -> None:
         self.slots = slots
+        self.quick = quick or {}
         self.own = own
         self.alike = {key[:2]: slot for key, slot in slots.items()}
         self.modulus = 1 << counter_bits
@@ -38,10 +52,10 @@ class Assembly:
             return None
         if len(data) != slot.length or fd is not slot.fd:
             raise PacketError(_unlike(slot, len(data), fd))
-        signals: Any = slot.message.decode(data, decode_choices=False, scaling=False)
+        signals = self._read(key, slot, data)
         counter = signals["Counter"]
         parts = self.partial.setdefault(counter, {})
-        parts[key] = signals
+        parts[key] = Part(signals, data)
         self.heard.add(key)
         if len(parts) < len(self.slots):
             return None
@@ -50,6 +64,13 @@ class Assembly:
         kept = {c: p for c, p in self.partial.items() if 0 < (c - counter) % self.modulus < half}
         self.partial = kept
         return parts
+
+    def _read(self, key: Key, slot: Slot, data: bytes) -> Mapping[str, Any]:
+        quick = self.quick.get(key)
+        if quick is not None:
+            return quick(data)
+        signals: Any = slot.message.decode(data, decode_choices=False, scaling=False)
+        return signals
 
     def unheard(self) -> list[Slot]:
         """Return the messages that have not come since the last whole packet."""

@@ -24,14 +24,14 @@ def dbc_path(rig: RigFile, folder: Path, buses: Sequence[CanSettings]) -> Path:
     return folder / name
 
 
-def check_can(rig: RigFile, folder: Path) -> list[str]:
+def check_can(rig: RigFile, folder: Path, key: bytes | None = None) -> list[str]:
     """Return what the user should know of the buses; BenchError where the rig cannot run on them.
 
     Nothing is opened.
     """
     settings = rig.links.can
     buses = described(settings, dbc_path(rig, folder, settings))
-    codec = CanCodec(rig, buses)
+    codec = CanCodec(rig, buses, key)
     for one in settings:
         bus_options(one)
         if one.fd and one.interface == "socketcand" and rig.emulator is None:

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import monotonic
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import can
 
@@ -17,8 +17,10 @@ from rig_bridge.transport.can_codec import CanCodec, CanFrame
 from rig_bridge.transport.can_layout import Bus
 from rig_bridge.transport.can_options import switches
 from rig_bridge.transport.dbc import load_dbc
+from rig_bridge.transport.meeting import Meeting
 from rig_bridge.transport.packets import Demand, Frame, OwnFrameError, PacketError
 from rig_bridge.transport.settings import CanSettings, several
+from rig_bridge.trust.peer import Peer
 from steering_core.errors import BenchError
 
 Packet = TypeVar("Packet")
@@ -50,14 +52,23 @@ class CanLink:
 
     The same code opens a CAN interface of the kernel (socketcan), one behind a socketcand server,
     and any other that python-can knows; one bus or several. Whoever shares a bus is passed over;
-    a frame that only looks like one of the rig's is counted in ``bad``, as are error frames.
+    a frame that only looks like one of the rig's is counted in ``bad``, as are error frames. key:
+    of the rig; without one whoever is on the bus is believed.
     """
 
     def __init__(
-        self, rig: RigFile, settings: CanSettings | Sequence[CanSettings], dbc: Path
+        self,
+        rig: RigFile,
+        settings: CanSettings | Sequence[CanSettings],
+        dbc: Path,
+        rig_end: bool = False,
+        key: bytes | None = None,
     ) -> None:
         buses: Sequence[CanSettings] = several(settings)
-        self.codec = CanCodec(rig, described(buses, dbc))
+        self.codec = CanCodec(rig, described(buses, dbc), key, rig_end)
+        self.meeting = Meeting(
+            self.codec.peer, lambda nonce: self._send([self.codec.greeting(nonce)])
+        )
         self.sequence_bits = self.codec.sequence_bits
         self.bad = 0
         self.problem: str | None = None
@@ -65,9 +76,18 @@ class CanLink:
         self.awaited: Assembly = self.codec.from_rig
         self.buses = CanBuses(buses)
 
+    @property
+    def peer(self) -> Peer | None:
+        """The other end as the key tells it; None on a link without one."""
+        return self.codec.peer
+
+    def meet(self) -> None:
+        """Begin a new session, if the link has a key; bench's end."""
+        self.meeting.begin()
+
     def unheard(self) -> str | None:
         """Which frames have not come since the last whole packet; None if all have."""
-        return describe(self.awaited.unheard()) or None
+        return self.meeting.unmet() or describe(self.awaited.unheard()) or None
 
     def receive_frames(self, timeout_s: float) -> list[Frame]:
         """Return the measurements that have come."""
@@ -77,19 +97,26 @@ class CanLink:
     def receive_demands(self, timeout_s: float) -> list[Demand]:
         """Return the commands that have come."""
         self.awaited = self.codec.from_bench
-        return self._receive(self.codec.take_demand, timeout_s)
+        demands = self._receive(self._obeyed, timeout_s)
+        self.meeting.answer()
+        return demands
 
     def send_frame(self, frame: Frame) -> None:
-        """Send measurements."""
-        self._send(self.codec.pack_frame(frame))
+        """Send measurements; nothing before the bench has met the rig."""
+        if self.meeting.lets_out():
+            self._send(self.codec.pack_frame(frame))
 
     def send_demand(self, demand: Demand) -> None:
-        """Send commands."""
-        self._send(self.codec.pack_demand(demand))
+        """Send commands, or the question that begins a session."""
+        if self.meeting.lets_out(demand.order):
+            self._send(self.codec.pack_demand(demand))
 
     def close(self) -> None:
         """Leave the buses."""
         self.buses.close()
+
+    def _obeyed(self, *frame: Any) -> Demand | None:
+        return self.meeting.obeyed(self.codec.take_demand(*frame))
 
     def _receive(self, take: Callable[..., Packet | None], timeout_s: float) -> list[Packet]:
         packets: list[Packet] = []
@@ -121,14 +148,20 @@ class CanLink:
             if (name := self.codec.name_of((bus, number, extended))) is not None:
                 self._note(bus, f"somebody asks for {name} by a remote frame")
             return None
+        frame = number, bytes(message.data), extended, message.is_fd, bus
         try:
-            packet = take(number, bytes(message.data), extended, message.is_fd, bus)
+            nonce = self.codec.take_greeting(*frame)
+            if nonce is not None:
+                self.meeting.hear(nonce)
+                return None
+            packet = take(*frame)
         except OwnFrameError as error:
             if message.is_rx and not self.buses.echoing[bus]:  # else its own echo
                 self._note(bus, str(error))
             return None
         except PacketError as error:
             self._note(bus, str(error))
+            self.up = self.up and not (self.peer is not None and self.peer.spent)
             return None
         self.up = self.up or packet is not None
         return packet

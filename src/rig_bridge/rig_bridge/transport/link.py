@@ -5,19 +5,29 @@ from __future__ import annotations
 from typing import Protocol
 
 from rig_bridge.transport.packets import Demand, Frame
+from rig_bridge.trust.peer import Peer
 
 
 class Link(Protocol):
     """Either end of a link. ``receive_*`` wait for one packet, then give all that are there.
 
     Bytes that are no packet of this rig are dropped and counted in ``bad``; ``problem`` says what
-    was wrong with the last of them. ``up`` is False while it is known that nobody is there.
+    was wrong with the last of them. ``up`` is False while it is known that nobody is there. ``peer``:
+    what is known of the other end, where the link has a key; nothing is sent or taken then but in a
+    session.
     """
 
     sequence_bits: int
     bad: int
     problem: str | None
     up: bool
+
+    @property
+    def peer(self) -> Peer | None:
+        """The other end as the key tells it; None on a link without one."""
+
+    def meet(self) -> None:
+        """Begin a new session, if the link has a key; bench's end."""
 
     def unheard(self) -> str | None:
         """Return what has not come since the last whole packet, where the link can tell."""

@@ -11,6 +11,10 @@
 | 1 | measurements: 1 in the rig's safe state; commands: the order |
 | | raw numbers, by slot, of the types in the channel table |
 | 4 | CRC-32 (zlib) of everything before |
+
+With a key there follow the packet's counter (8 bytes) and its tag (8 bytes) over counter and all of
+the above. The datagrams of a meeting are "SM", version, 1 from the bench or 2 from the rig, and 16
+random bytes.
 """
 
 from __future__ import annotations
@@ -25,6 +29,8 @@ from rig_bridge.raw_types import RAW_TYPES, decoded, encoded
 from rig_bridge.rig_file import RigFile
 from rig_bridge.transport.packets import Demand, Frame, PacketError, order_of
 from rig_bridge.transport.signature import signature
+from rig_bridge.trust.peer import BenchPeer, Peer, RigPeer
+from rig_bridge.trust.session import Seal
 from steering_core.errors import BenchError
 
 HEADER = struct.Struct("<2sBBIIqB")
@@ -32,6 +38,10 @@ CRC = struct.Struct("<I")
 MAGIC, VERSION = b"SR", 1
 MEASURED, COMMANDED = 1, 2
 SEQUENCES = 1 << 32
+SEAL = struct.Struct("<QQ")
+MEETING, NONCE_BYTES = b"SM", 16
+GREETING = struct.Struct(f"<2sBB{NONCE_BYTES}s")
+FROM = {"bench": 1, "rig": 2}
 
 
 class _Numbers:
@@ -65,11 +75,16 @@ class _Numbers:
 
 
 class UdpCodec:
-    """Packets of one rig as bytes. ``unpack_*`` raise PacketError, which says what does not fit."""
+    """Packets of one rig as bytes. ``unpack_*`` raise PacketError, which says what does not fit.
+
+    key: of the rig, None for a link without one. rig_end: which end this is, for the key.
+    """
 
     sequence_bits = 32
 
-    def __init__(self, rig: RigFile) -> None:
+    def __init__(self, rig: RigFile, key: bytes | None = None, rig_end: bool = False) -> None:
+        kind = RigPeer if rig_end else BenchPeer
+        self.peer: Peer | None = None if key is None else kind(key, NONCE_BYTES)
         self.signature = signature(rig)
         self.numbers = {
             MEASURED: _Numbers(rig, rig.measured),
@@ -78,22 +93,51 @@ class UdpCodec:
 
     def pack_frame(self, frame: Frame) -> bytes:
         """Return the datagram of the rig's measurements."""
-        return self._pack(MEASURED, frame.sequence, frame.rig_ns, frame.rig_safe, frame.values)
+        head = frame.sequence, frame.rig_ns, frame.rig_safe
+        return self._sealed(self._pack(MEASURED, *head, frame.values))
 
     def unpack_frame(self, data: bytes) -> Frame:
         """Return the measurements of a datagram."""
-        sequence, rig_ns, rig_safe, values = self._unpack(MEASURED, data)
+        sequence, rig_ns, rig_safe, values = self._unpack(MEASURED, self._opened(data))
         return Frame(sequence, rig_ns, values, bool(rig_safe))
 
     def pack_demand(self, demand: Demand) -> bytes:
         """Return the datagram of the bench's commands."""
         head = demand.sequence, demand.answers, demand.order
-        return self._pack(COMMANDED, *head, demand.values)
+        return self._sealed(self._pack(COMMANDED, *head, demand.values))
 
     def unpack_demand(self, data: bytes) -> Demand:
         """Return the commands of a datagram."""
-        sequence, answers, order, values = self._unpack(COMMANDED, data)
+        sequence, answers, order, values = self._unpack(COMMANDED, self._opened(data))
         return Demand(sequence, answers, order_of(order), values)
+
+    def greeting(self, nonce: bytes) -> bytes:
+        """Return the datagram of this end's part in a meeting."""
+        assert self.peer is not None
+        return GREETING.pack(MEETING, VERSION, FROM[self.peer.end], nonce)
+
+    def take_greeting(self, data: bytes) -> bytes | None:
+        """Return the random bytes of the other end's part in a meeting; None for anything else."""
+        if self.peer is None or len(data) != GREETING.size:
+            return None
+        magic, version, end, nonce = GREETING.unpack(data)
+        ours = magic == MEETING and version == VERSION and end != FROM[self.peer.end]
+        return bytes(nonce) if ours else None
+
+    def _sealed(self, data: bytes) -> bytes:
+        if self.peer is None:
+            return data
+        seal = self.peer.seal(data)
+        return data + SEAL.pack(seal.counter, seal.tag)
+
+    def _opened(self, data: bytes) -> bytes:
+        if self.peer is None:
+            return data
+        if len(data) < SEAL.size:
+            raise PacketError(f"{len(data)} bytes that are no frame of a rig")
+        body = data[: -SEAL.size]
+        self.peer.admit(body, Seal(*SEAL.unpack_from(data, len(body))))
+        return body
 
     def _pack(
         self, kind: int, sequence: int, stamp: int, flag: int, values: Sequence[float]
@@ -103,6 +147,8 @@ class UdpCodec:
         return body + CRC.pack(crc32(body))
 
     def _unpack(self, wanted: int, data: bytes) -> tuple[int, int, int, tuple[float, ...]]:
+        if data[:2] == MEETING:
+            raise PacketError("the other end has a key and wants to meet: this one has none")
         if len(data) < HEADER.size + CRC.size or data[:2] != MAGIC:
             raise PacketError(f"{len(data)} bytes that are no frame of a rig")
         if CRC.unpack(data[-CRC.size :])[0] != crc32(data[: -CRC.size]):

@@ -68,6 +68,17 @@ RIG = tuple(
     )
 )
 
+TRUST = tuple(
+    row
+    for link, name in LINKS.items()
+    for row in (
+        Row(f"{link}_without", f"{name}: the bench's part of a tick without a key", "us"),
+        Row(f"{link}_with", f"{name}: the same with a key", "us"),
+        Row(f"{link}_cost", f"{name}: what the key costs a tick", "us", at_most=20.0),
+    )
+)
+"""The limit is a time, as the period is: 2 % of 1 ms."""
+
 RECORDING = (
     Row("lost", "messages lost, recorded or played", at_most=0.0, digits=0),
     Row("recorded", "messages recorded", digits=0),
@@ -168,6 +179,13 @@ BENCHMARKS: dict[str, Benchmark] = {
             "latency of the rig bridge at 1 kHz",
             RIG,
             {"seconds": 1.0, "links": ["udp"], "ways": ["bare"]},
+        ),
+        Benchmark(
+            "rig_trust",
+            "what a rig's key costs in a tick",
+            TRUST,
+            {"ticks": 200, "rounds": 3},
+            ros=False,
         ),
         Benchmark(
             "record_while_playing",

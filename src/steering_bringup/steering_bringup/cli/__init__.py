@@ -29,6 +29,7 @@ COMMANDS = {
     "repeat": "repeat the run that a bag records and check that it is the same, bit for bit",
     "recover": "make a bag readable that a crash cut off",
     "schema": "write the JSON Schema of scenarios, node sets and rigs for an editor",
+    "rig-key": "make the key that a rig and the bench have in common",
     "rig-test": "the source's rig tests on the simulated plant, each recorded to a bag",
     "identify": "what rig tests tell of a gear, as a parameter set that loads",
     "validate": "a model against a recorded system test, channel by channel",
