@@ -5,8 +5,8 @@
 
 The same packets of the shipped rig with a key and without one, in turns, in memory: what the link
 itself takes is in neither. Processor time of this thread, with the collector of garbage off as in
-the bridge; the best round, as whatever is slower was disturbed; taking and packing each in a loop of
-its own. The target is 2 % of a period.
+the bridge; the best round, as whatever is slower was disturbed; taking and packing each in a loop
+of its own. The target is 2 % of a period.
 """
 
 from __future__ import annotations

@@ -44,14 +44,12 @@ def test_nothing_goes_out_before_they_have_met_and_everything_after(kind):
 
 
 def test_another_key_never_meets_and_says_so(kind):
-    with (
-        link_settings(kind) as settings,
-        pytest.raises(AssertionError, match="has it the same key"),
-    ):
+    with link_settings(kind) as settings:
         bench = open_link(kind, RIG, EMULATED.parent, settings, key=KEY)
         far = open_link(kind, RIG, EMULATED.parent, settings, rig_end=True, key=KEY[::-1])
         try:
-            meet(bench, far, 3)
+            with pytest.raises(AssertionError, match="has it the same key"):
+                meet(bench, far, 3)
         finally:
             bench.close()
             far.close()

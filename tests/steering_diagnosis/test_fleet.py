@@ -1,6 +1,5 @@
 """Several specimens: what they have in common, and what one has alone."""
 
-
 import json
 
 import numpy as np

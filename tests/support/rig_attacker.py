@@ -1,7 +1,7 @@
 """A process without the key that tries to move the rig and to make the bench believe it.
 
     python rig_attacker.py squat BENCH RIG       has the bench's address before the bench
-    python rig_attacker.py relay FRONT BACK FAR   on the path: the bench takes FRONT for the rig, the
+    python rig_attacker.py relay FRONT BACK FAR  on the path: the bench takes FRONT for the rig, the
                                                   rig takes BACK for the bench; FAR is the rig
     python rig_attacker.py can PORT               on the bus, with everybody's identifiers
 

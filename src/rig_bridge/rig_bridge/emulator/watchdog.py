@@ -12,7 +12,8 @@ from rig_bridge.transport.packets import Demand, Order
 class RigWatchdog:
     """Obeys fresh commands within range while the order is to run; ``latched`` is its safe state.
 
-    Only the order to arm ends it, and what follows an order to hold (``held``). channels: the commanded ones, in the order of the values.
+    Only the order to arm ends it, and what follows an order to hold (``held``). channels: the
+    commanded ones, in the order of the values.
     """
 
     def __init__(self, channels: Sequence[Channel], stale_ticks: int, sequence_bits: int) -> None:

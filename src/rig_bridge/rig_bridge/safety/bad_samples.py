@@ -39,8 +39,8 @@ class SampleBudget:
 class JumpWatch:
     """Finds samples that do not go with those around: a jump that is taken back at once.
 
-    A single wrong sample is one, a burst of up to ``BACK_TICKS`` too, and alternation is one in each
-    tick. A step or a steep slope is none. jump: least change in a tick that counts, SI.
+    A single wrong sample is one, a burst of up to ``BACK_TICKS`` too, and alternation is one in
+    each tick. A step or a steep slope is none. jump: least change in a tick that counts, SI.
     """
 
     def __init__(self, jump: float) -> None:

@@ -11,7 +11,7 @@ from rig_bridge.signals import PERIOD_S
 from rig_bridge.watching import Watching
 
 JUMP_SHARE = 0.25
-"""Of what ``rate`` allows in a tick; in all shipped manoeuvres nothing goes back by a fifth of it."""
+"""Of what ``rate`` allows in a tick; nothing goes back by a fifth of it in a shipped manoeuvre."""
 
 
 class ChannelWatch:

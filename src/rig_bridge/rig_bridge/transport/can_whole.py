@@ -1,4 +1,4 @@
-"""Whole numbers without sign in a frame, quicker than cantools, which serves every kind of signal."""
+"""Whole numbers without sign in a frame, quicker than cantools, which serves all kinds."""
 
 from __future__ import annotations
 

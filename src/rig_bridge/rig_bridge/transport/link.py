@@ -12,9 +12,9 @@ class Link(Protocol):
     """Either end of a link. ``receive_*`` wait for one packet, then give all that are there.
 
     Bytes that are no packet of this rig are dropped and counted in ``bad``; ``problem`` says what
-    was wrong with the last of them. ``up`` is False while it is known that nobody is there. ``peer``:
-    what is known of the other end, where the link has a key; nothing is sent or taken then but in a
-    session.
+    was wrong with the last of them. ``up`` is False while it is known that nobody is there.
+    ``peer``: what is known of the other end, where the link has a key; nothing is sent or taken
+    then but in a session.
     """
 
     sequence_bits: int

@@ -25,7 +25,7 @@ def execute(options: argparse.Namespace) -> int:
 
     make_key(options.file)
     print(
-        f"{options.file}: a new key. Copy it to the rig's computer, readable by its owner alone, and "
-        f"write 'key: {options.file.name}' into the rig's file, beside which it lies"
+        f"{options.file}: a new key. Copy it to the rig's computer, readable by its owner alone, "
+        f"and write 'key: {options.file.name}' into the rig's file, beside which it lies"
     )
     return 0

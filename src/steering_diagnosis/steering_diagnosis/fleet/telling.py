@@ -23,7 +23,8 @@ def lines(fleet: Fleet, failed: Mapping[str, str]) -> list[str]:
     told = [f"{count} specimens judged"]
     for cause, members in fleet.common.items():
         told.append(f"common: {words(cause)}, named in {len(members)} of {count}")
-    told += [f"  {s.name}: {_value(s)}" for s in fleet.shifts if s.common and s.name in fleet.inside]
+    inside = [s for s in fleet.shifts if s.common and s.name in fleet.inside]
+    told += [f"  {s.name}: {_value(s)}" for s in inside]
     for s in fleet.shifted:
         told.append(f"common: {s.name} is off alike in all: {_value(s)}")
     if not fleet.common and not fleet.shifted:
