@@ -4,8 +4,8 @@
     steer python benchmarks/fleet.py --specimens 50 --records fleet_records
 
 Each specimen is drawn within the tolerances by the sealed benchmark's own generator, then its bar
-is made stiffer, and the first ones get a leak across the piston. Found is what is common, and what one
-specimen has alone. A second run with the same folder goes on where the first one stopped.
+is made stiffer, and the first ones get a leak across the piston. Found is what is common, and what
+one specimen has alone. A second run with the same folder goes on where the first one stopped.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rig_bridge.latency import Latency
@@ -12,6 +12,7 @@ def test_nothing_yet():
     assert Latency().report() == {"p50": 0.0, "p99": 0.0, "max": 0.0, "ticks": 0, "late": 0}
 
 
+@settings(suppress_health_check=[HealthCheck.too_slow], deadline=None)
 @given(st.lists(st.integers(0, 5_000_000), min_size=1, max_size=300))
 def test_percentiles_to_a_microsecond(latencies):
     latency = Latency()

@@ -14,7 +14,7 @@ from steering_diagnosis.engine.ends import pressed
 from steering_diagnosis.engine.evidence import Evidence, HeldOut
 from steering_diagnosis.engine.findings import Findings, Loser, NamedCause, Region, Rms
 from steering_diagnosis.engine.fit import Fit
-from steering_diagnosis.engine.intervals import intervals, joint_covariance
+from steering_diagnosis.engine.intervals import intervals, posterior
 from steering_diagnosis.engine.noise import mean_square
 from steering_diagnosis.engine.remaining import Left, drifted, left_by
 from steering_diagnosis.engine.search import Search
@@ -64,6 +64,7 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
     book = problem.book
     call, call0 = book.call(best.z, best.values), book.call(null.z, null.values)
     nominal = problem.known(problem.runs.one(book.call(0.0 * null.z, {})))
+    step, spread = posterior(problem, best)
     return Findings(
         verdict=_verdict(causes, bool(regions), len(undecidable) == len(book.hypotheses)),
         causes=causes,
@@ -81,7 +82,8 @@ def conclude(search: Search, best: Fit, block: np.ndarray) -> Findings:
         explained=kept.left[0].explained if best.values else 0.0,
         calls=problem.runs.calls,
         step_s=problem.runs.grid.step_s,
-        spread=joint_covariance(problem, best),
+        step=step,
+        spread=spread,
         active=tuple((n, p.name) for n in best.values for p in book.hypotheses[n].parameters),
         held_out_samples=_samples_out(search, len(block)),
         residual_nominal=nominal,

@@ -65,8 +65,9 @@ class Findings:
     nuisances, effects: absolute parameters of the extended model, as ``Replay.residuals`` takes
     them; refitted: of the nominal model refitted inside tolerance. residuals: on the decimated
     grid of the fitted record, (n, outputs) each. undecidable: hypothesis to reason.
-    spread: covariance of the nuisances [standard deviations of a specimen] in the order of
-    ``catalogue``, and behind them of the parameters [units] of the active hypotheses ``active``.
+    step, spread: from the fit to the posterior's mean, and its covariance: of the nuisances
+    [standard deviations of a specimen] in the order of ``catalogue``, and behind them of the
+    parameters [units] of the active hypotheses ``active``.
     """
 
     verdict: Verdict
@@ -85,6 +86,7 @@ class Findings:
     explained: float
     calls: int
     step_s: float
+    step: np.ndarray
     spread: np.ndarray
     active: tuple[tuple[str, str], ...]
     held_out_samples: np.ndarray

@@ -13,7 +13,7 @@ from scipy import stats
 
 from steering_diagnosis.engine.catalogue import bounds, scales
 from steering_diagnosis.engine.equations import gram_of
-from steering_diagnosis.engine.fit import Fit, Problem, fixed_sizes
+from steering_diagnosis.engine.fit import Fit, Problem, fixed_sizes, normal_equations
 from steering_diagnosis.engine.screen import active_columns
 
 FIXED = 1e6
@@ -70,14 +70,20 @@ def covariance(problem: Problem, fit: Fit, block: np.ndarray) -> Covariance:
     return Covariance(matrix, slopes @ matrix)
 
 
-def joint_covariance(problem: Problem, fit: Fit) -> np.ndarray:
-    """Return the covariance of nuisances [standard deviations] and hypotheses [units], (p + k, .).
+def posterior(problem: Problem, fit: Fit) -> tuple[np.ndarray, np.ndarray]:
+    """Return the step to the mean, (p + k,), and the covariance of nuisances and hypotheses.
 
-    The likelihood's, with the tolerances as prior.
+    Nuisances in standard deviations, hypotheses in their units; with the tolerances as prior, but
+    without the ends at which the fit holds nuisances: whoever averages needs the unbounded mean.
     """
     units = [scales(problem.book.hypotheses[name]) for name in fit.values]
-    unit = np.concatenate([np.ones(problem.nuisance.shape[-1]), *units])
-    return covariance(problem, fit, np.zeros(0)).matrix * np.outer(unit, unit)
+    p = problem.nuisance.shape[-1]
+    unit = np.concatenate([np.ones(p), *units])
+    matrix = covariance(problem, fit, np.zeros(0)).matrix
+    columns = np.concatenate([problem.nuisance, active_columns(fit)], axis=-1)
+    _, slope, _ = normal_equations(problem, fit, columns)
+    slope[:p] -= fit.z
+    return matrix @ slope * unit, matrix * np.outer(unit, unit)
 
 
 def intervals(problem: Problem, fit: Fit, block: np.ndarray) -> dict[str, dict[str, Interval]]:

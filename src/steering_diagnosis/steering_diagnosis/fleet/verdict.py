@@ -6,8 +6,10 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from steering_diagnosis.engine.catalogue import PREFIX
 from steering_diagnosis.fleet.shift import Shift, shifts
 from steering_diagnosis.report import Report
+from steering_plant.effects import EFFECTS
 
 MOST = 0.5
 """Share of the specimens that could show a cause from which it is the model's, not a specimen's."""
@@ -54,19 +56,42 @@ def judged(reports: Mapping[str, Report]) -> Fleet:
         frozenset(p for p, by in x.changed_by.items() if not set(by) <= common.keys())
         for x in learned
     ]
+    found = shifts(learned, own)
+    off = frozenset(s.name for s in found if s.common)
+    # What all are off by is no cause of one of them: with it, these say something of it, too.
+    found = shifts(learned, [names - off for names in own])
+    off = frozenset(s.name for s in found if s.common)
+    single = {
+        name: left
+        for name, causes in single.items()
+        if (left := tuple(c for c in causes if not _explained(c, reports[name], off)))
+    }
     inside = {p for x in learned for p, by in x.changed_by.items() if common.keys() & set(by)}
     return Fleet(
         tuple(reports),
         common,
         single,
         tuple(name for name, report in reports.items() if report.verdict == "unexplained"),
-        tuple(shifts(learned, own)),
+        tuple(found),
         frozenset(inside),
     )
 
 
 def _causes(report: Report) -> tuple[str, ...]:
     return tuple(cause.effect for cause in report.causes)
+
+
+def _explained(name: str, report: Report, off: frozenset[str]) -> bool:
+    """Return whether a cause, or what it is not told from, is what all are off by."""
+    (cause,) = (c for c in report.causes if c.effect == name)
+    return any(_changes(n) and _changes(n) <= off for n in (name, *cause.ambiguous_with))
+
+
+def _changes(cause: str) -> frozenset[str]:
+    """Return the parameters of the data sheet that a cause changes."""
+    if cause.startswith(PREFIX):
+        return frozenset({cause.removeprefix(PREFIX)})
+    return frozenset(EFFECTS[cause].sheet_parameters) if cause in EFFECTS else frozenset()
 
 
 def _could_show(cause: str, reports: Mapping[str, Report]) -> int:

@@ -29,6 +29,7 @@ def learned(replay: SteeringReplay, findings: Findings) -> Learned:
     turned = np.eye(len(known), len(known) + len(findings.active))
     for j, (effect, parameter) in enumerate(findings.active):
         turned[:, len(known) + j] = _slope(replay, findings, effect, parameter) / deviation
+    mean = mean + turned @ findings.step
     cov = turned @ findings.spread @ turned.T
     told = np.any(turned[:, len(known) :] != 0.0, axis=1)
     if told.any():
